@@ -4,6 +4,7 @@ use crate::rotation::Rigid;
 use glam::{DVec2, DVec3};
 use throng_base::thresholds::HEEL_PER_BALL;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
+use throng_geometry::Segment;
 
 /// Segment from one joint to another: its share of the body's mass, and where along it the mass is.
 ///
@@ -84,11 +85,8 @@ fn distance_outside(polygon: &[DVec2], p: DVec2) -> f64 {
     if polygon.len() > 2 && edges().all(|(a, b)| (b - a).perp_dot(p - a) >= 0.0) {
         return 0.0;
     }
-    let distance = |(a, b): (DVec2, DVec2)| {
-        let along = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
-        p.distance(a.lerp(b, along))
-    };
-    edges().map(distance).fold(f64::INFINITY, f64::min)
+    let segment = |a: DVec2, b: DVec2| Segment::new(a.extend(0.0), b.extend(0.0));
+    edges().map(|(a, b)| segment(a, b).distance(&segment(p, p))).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use crate::{Level, NONE};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use throng_geometry::nearest_on_segment;
 
 /// Distance over which a point counts as inside (m).
 const EDGE_M: f32 = 1e-4;
@@ -101,11 +102,10 @@ impl Level {
         let mut is_inside = true;
         for (a, b) in corners().zip(corners().cycle().skip(1)).take(edges.num_edges as usize) {
             let along = b - a;
-            let length_squared = along.length_squared().max(1e-12);
-            if along.perp_dot(p - a) < -EDGE_M * length_squared.sqrt() {
+            if along.perp_dot(p - a) < -EDGE_M * along.length().max(1e-6) {
                 is_inside = false;
             }
-            let near = a + along * ((p - a).dot(along) / length_squared).clamp(0.0, 1.0);
+            let near = nearest_on_segment(p, [a, b]);
             let away = near.distance_squared(p);
             if away < best.0 {
                 best = (away, near);

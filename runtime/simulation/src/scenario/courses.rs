@@ -5,8 +5,8 @@ use super::agent_brain::{EventContext, NO_NUMBER};
 use super::agent_brains::AgentBrains;
 use super::stage::ScenarioStage;
 use super::tables::trigger;
-use glam::Vec3;
 use throng_base::Result;
+use throng_geometry::distance_to_segment;
 
 impl AgentBrains {
     /// Sends an agent along the points of its action. Where laps are counted, it goes on where it was; true where all laps are done.
@@ -54,7 +54,7 @@ impl AgentBrains {
         let point = |n: u32| points[(n % num) as usize];
         // Near a corner it may still be on the leg before, or already on the next one.
         let legs = [leg + num - 1, leg, leg + 1].map(|n| [point(n + num - 1), point(n)]);
-        let off = legs.into_iter().map(|leg| distance_to_leg(at, leg)).fold(f32::INFINITY, f32::min);
+        let off = legs.into_iter().map(|leg| distance_to_segment(at, leg)).fold(f32::INFINITY, f32::min);
         let strays = done > 0 && f64::from(off) > within_m;
         if strays && !own.has_strayed {
             self.push_stimulus(agent, trigger::STRAYS, EventContext::default());
@@ -121,11 +121,4 @@ pub(super) enum CourseBegin {
 
 fn is_over(legs_done: u32, num: usize, laps: Option<f64>) -> bool {
     laps.is_some_and(|laps| f64::from(legs_done / num as u32) >= laps)
-}
-
-/// Distance of a position from a leg, over ground (m).
-fn distance_to_leg(at: Vec3, [from, to]: [Vec3; 2]) -> f32 {
-    let (along, off) = (to - from, at - from);
-    let share = (off.dot(along) / along.length_squared().max(1e-9)).clamp(0.0, 1.0);
-    (off - along * share).length()
 }
