@@ -388,7 +388,13 @@ impl Navigation {
         let advice = found.map(|found| {
             let advice = self.turns.advise(&found, position, self.radius_m + PASSAGE_ROOM_M);
             let waits = advice == PassageAdvice::Enter && !found.is_inside && self.is_behind(number, position, &found);
-            if waits { PassageAdvice::Stand } else { advice }
+            if !waits {
+                advice
+            } else if found.distance < FILE_M {
+                found.give_way_from_mouth(position)
+            } else {
+                PassageAdvice::Stand
+            }
         });
         if advice.is_some_and(|advice| advice != PassageAdvice::Enter) {
             // Who waits for its turn is in no jam.
@@ -594,6 +600,22 @@ mod tests {
             assert!(nearest > 0.28, "{nearest} m from a wall");
             assert!(1.3 * time_s < 1.25 * shortest, "{time_s} s");
         }
+    }
+
+    #[test]
+    fn who_stands_beside_the_first_before_a_gap_makes_room_for_it() {
+        let walls = [wall([-9.0, 0.0], [-0.6, 0.0]), wall([0.6, 0.0], [9.0, 0.0])];
+        let mut navigation = Navigation::new(&Streets::new(&walls, 0.45).unwrap(), 0.24, 1.3, 3).unwrap();
+        let places = [[-0.25, -1.0], [0.3, -1.1], [0.0, -1.65]].map(Vec2::from_array);
+        for place in places {
+            navigation.add_body(&route(&[[0.0, 6.0]]), place).unwrap();
+        }
+        let body = |k: usize| Some(NavigatedBody { position: places[k], velocity: Vec2::ZERO, height_m: 0.0 });
+        (0..3).for_each(|step| navigation.update(f64::from(step), body));
+        let [first, second, third] = [0, 1, 2].map(|k| navigation.aim(k).velocity);
+        assert!(first.y > 0.1, "it goes in: {first}");
+        assert!(second.y < -0.1, "it goes back: {second}");
+        assert_eq!(third, Vec2::ZERO, "far enough behind, it stands");
     }
 
     #[test]

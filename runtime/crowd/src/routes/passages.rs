@@ -117,6 +117,11 @@ impl PassageUse {
     pub fn is_before(&self, other: &Self) -> bool {
         (self.number, self.towards, self.is_inside) == (other.number, other.towards, false)
     }
+
+    /// Advice to leave the ground before the mouth to others.
+    pub fn give_way_from_mouth(&self, at: Vec2) -> PassageAdvice {
+        PassageAdvice::GiveWay((at - self.mouth).normalize_or(self.out), 0.5)
+    }
 }
 
 /// Advice to somebody on whose way a passage is.
@@ -455,7 +460,7 @@ impl PassageTurns {
             return PassageAdvice::GiveWay((away + found.out * 0.2).normalize_or_zero(), 0.3);
         }
         if found.distance < KEPT_FREE_M {
-            return PassageAdvice::GiveWay(off.normalize_or(found.out), 0.5);
+            return found.give_way_from_mouth(at);
         }
         waits
     }
