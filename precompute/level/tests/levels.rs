@@ -143,6 +143,20 @@ fn compare(name: &str, level: &Level, data: &LevelData, num: usize) {
 }
 
 #[test]
+fn walls_beside_ramps_are_of_one_floor_each() {
+    let mut rises = 0;
+    for (name, shape) in SHAPES {
+        let (level, _) = level_of(&source(shape));
+        for wall in level.walls() {
+            let rise = (wall.to[1] - wall.from[1]).abs();
+            assert!(rise < 0.51, "{name}: {wall:?}");
+            rises += u32::from(rise > 0.1);
+        }
+    }
+    assert!(rises > 10, "{rises} walls are beside ramps");
+}
+
+#[test]
 fn paths_are_the_shortest_in_ten_kinds_of_levels() {
     for (name, make) in SHAPES {
         let (level, data) = level_of(&source(make));
