@@ -57,9 +57,8 @@ pub fn print_figures(label: &'static str, text: String, r: &SceneFigures) -> Com
         let [mm, cm] = [c.overlap_over_1mm_fraction, c.overlap_over_1cm_fraction].map(|f| 100.0 * f);
         let frames = format!("{mm:.3} % of agent-frames by more than 1 mm, {cm:.3} % by more than 1 cm");
         rows.push(("overlaps", format!("{frames}; {:.2} mm at most", 1000.0 * c.max_overlap_m)));
-        if let Some(order) = c.lane_order {
-            rows.push(("lanes", format!("order {order:.2}: 0 as mixed as by chance, 1 all in lanes")));
-        }
+        let lanes = |order| ("lanes", format!("order {order:.2}: 0 as mixed as by chance, 1 all in lanes"));
+        rows.extend(c.lane_order.map(lanes));
         if let Some(flow) = &c.flow {
             let [low, high] = flow.human_flow_per_m_s;
             let few = || "too few for a flow".to_owned();
@@ -75,9 +74,7 @@ pub fn print_figures(label: &'static str, text: String, r: &SceneFigures) -> Com
             let moved = format!("{} taken, {} put down{missed}", t.things_taken, t.things_put);
             rows.push(("things", format!("{moved}; palms off by {p95:.0} mm (95 %), {most:.0} mm at worst")));
         }
-        if let Some(informed) = c.informed {
-            rows.push(("news", format!("{informed} know")));
-        }
+        rows.extend(c.informed.map(|informed| ("news", format!("{informed} know"))));
         if let (Some(us), Some(events)) = (c.us_per_agent_second, c.events_per_agent_second) {
             let crossings = |c| format!(" ({c:.1} of them crossings of cells)");
             let crossings = c.crossings_per_agent_second.map_or(String::new(), crossings);
@@ -85,18 +82,13 @@ pub fn print_figures(label: &'static str, text: String, r: &SceneFigures) -> Com
             let cost = format!("{us:.2} us an agent and simulated second");
             rows.push(("speed", format!("{cost}; {events:.1} events{crossings}, {decisions:.1} decisions")));
         }
-        if let Some(off) = c.hips_off_max_m {
-            rows.push(("bodies", format!("hips {off:.2} m off their discs at most")));
-        }
+        rows.extend(c.hips_off_max_m.map(|off| ("bodies", format!("hips {off:.2} m off their discs at most"))));
     }
-    if let Some(stuck) = r.stuck {
-        rows.push(("stuck", format!("{stuck}")));
-    }
+    rows.extend(r.stuck.map(|stuck| ("stuck", stuck.to_string())));
     if let (Some(mean), Some(p95)) = (r.foot_slip_mean_mps, r.foot_slip_p95_mps) {
         rows.push(("foot slip", format!("{mean:.3} m/s mean, {p95:.3} m/s 95th percentile, while planted")));
     }
-    if let Some(rate) = r.steps_per_second {
-        rows.push(("speed", format!("{rate:.0} steps a second of all characters, on one thread")));
-    }
+    let speed = |rate| ("speed", format!("{rate:.0} steps a second of all characters, on one thread"));
+    rows.extend(r.steps_per_second.map(speed));
     output::table(&rows)
 }

@@ -36,9 +36,7 @@ fn print(report: &TaskCheckReport) -> CommandResult {
     let mut rows: Vec<(&str, String)> = Vec::new();
     for t in &report.tasks {
         let mut text = Vec::new();
-        if let Some([hands, all]) = t.reached {
-            text.push(format!("{hands} of {all} hands reach"));
-        }
+        text.extend(t.reached.map(|[hands, all]| format!("{hands} of {all} hands reach")));
         if let (Some(least), Some(given)) = (t.least_s, t.given_s) {
             let pair = |k: usize| format!("{:.2} of {:.2} s", least[k], given[k]);
             text.push(format!("at least {} there, {} back", pair(0), pair(1)));

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use throng_base::error::ensure;
 use throng_base::thresholds::WALKING_MPS;
 use throng_core::Contacts;
 use throng_core::format::{ActivityMeta, Gait, MotionClass, Posture};
@@ -124,9 +125,7 @@ fn find_of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Ve
             found.push(ActivityMeta { clip: number, ..activity(name, tag, clip, range, config) });
         }
     }
-    if found.is_empty() {
-        return Err(describe_missing(clips, tag, config));
-    }
+    ensure(!found.is_empty(), || describe_missing(clips, tag, config))?;
     Ok(found)
 }
 
@@ -256,9 +255,7 @@ fn ranges(clip: &Clip, tag: &str, config: &ActivityConfig) -> Vec<FrameRange> {
 /// Checks that a body stands at both ends of a range, and that all its frames may be used.
 fn check(clip: &Clip, range: &FrameRange) -> Result<(), String> {
     const HELP: &str = "Move the ends of the tag to where the person stands, or leave the clip out";
-    if range.len() < 4 {
-        return Err(format!("expected at least 4 frames, found {}", range.len()));
-    }
+    ensure(range.len() >= 4, || format!("expected at least 4 frames, found {}", range.len()))?;
     if let Some(out) = clip.excluded.iter().find(|e| e.range.start < range.end && range.start < e.range.end) {
         return Err(format!("frames {} to {} are left out ({}). {HELP}", out.range.start, out.range.end, out.reason));
     }

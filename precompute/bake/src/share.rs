@@ -3,6 +3,7 @@
 use bytemuck::Pod;
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
+use throng_base::error::ensure;
 use throng_base::{Comm, rank_range, unexpected_message};
 use throng_motion::{BuildError, Clip, ClipSet, Result};
 
@@ -183,9 +184,7 @@ pub(crate) fn gather_to_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Ve
         for (rank, bytes) in comm.exchange(messages)?.iter().enumerate().filter(|_| rank == 0) {
             let to = of(lengths[rank]);
             let to: &mut [u8] = bytemuck::cast_slice_mut(&mut all[at + to.start..at + to.end]);
-            if to.len() != bytes.len() {
-                return Err(unexpected_message(rank).into());
-            }
+            ensure(to.len() == bytes.len(), || unexpected_message(rank))?;
             to.copy_from_slice(bytes);
             at += lengths[rank];
         }
@@ -209,9 +208,7 @@ pub(crate) fn share_rows<T: Pod>(comm: &dyn Comm, row: usize, own: &mut Vec<T>, 
     for (rank, bytes) in comm.all_gather(bytemuck::cast_slice(own))?.iter().enumerate() {
         let rows = rank_range(num_rows, rank, comm.num_ranks());
         let to: &mut [u8] = bytemuck::cast_slice_mut(&mut all[rows.start * row..rows.end * row]);
-        if to.len() != bytes.len() {
-            return Err(unexpected_message(rank).into());
-        }
+        ensure(to.len() == bytes.len(), || unexpected_message(rank))?;
         to.copy_from_slice(bytes);
     }
     Ok(())

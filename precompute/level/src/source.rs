@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde_json::Value;
 use std::path::Path;
+use throng_base::error::ensure;
 use throng_base::file::{MAX_MOTION_BYTES, read_file};
 use throng_crowd::Obstacle;
 use throng_geometry::polygon_contains;
@@ -191,9 +192,7 @@ impl LevelSource {
                 if corners.first() == corners.last() {
                     corners.pop();
                 }
-                if corners.len() < 3 {
-                    return Err(fail("expected three corners at least"));
-                }
+                ensure(corners.len() >= 3, || fail("expected three corners at least"))?;
                 let fan = || -> Vec<[Vec3; 3]> {
                     let at = |p: Vec2| Vec3::new(p.x, 0.0, p.y);
                     (2..corners.len()).map(|k| [at(corners[0]), at(corners[k - 1]), at(corners[k])]).collect()
@@ -207,9 +206,7 @@ impl LevelSource {
                 }
             }
         }
-        if out.rings.is_empty() {
-            return Err("expected a polygon of ground, found none".into());
-        }
+        ensure(!out.rings.is_empty(), || "expected a polygon of ground, found none".to_owned())?;
         out.raise();
         Ok(out)
     }

@@ -16,10 +16,8 @@ pub struct SynthInput {
     /// Set of motion.
     pub set: SynthSet,
     /// Length; the default of `throng synth` if absent (min, 0.05 to 240).
-    #[serde(default)]
     pub minutes: Option<f64>,
     /// Seed, which determines the motion; the default of `throng synth` if absent.
-    #[serde(default)]
     pub seed: Option<u64>,
     /// Further sets.
     #[serde(default)]

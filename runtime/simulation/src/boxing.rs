@@ -1,7 +1,7 @@
 //! Characters with policies: each with a target of its own, or in pairs that strike at each other.
 
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, MotionKind, load_same, refused_snapshot, saved_bytes};
+use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, load_same, saved_bytes};
 use crate::scene::{DragPoint, GroupConfig, GroupMotion, PlaceConfig, Scene};
 use crate::sparring::{PracticeConfig, Sparring, SparringConfig, TargetPractice};
 use crate::{CharacterEvent, SimulationEvent};
@@ -404,9 +404,7 @@ impl MotionKind for Practice {
         let near = |home: &Vec3| home.is_finite() && home.abs().max_element() <= 1e5;
         let may_be_dragged = !self.setup.config().target.drag.is_empty();
         let good = homes.len() == self.homes.len() && homes.iter().all(near);
-        if !good || is_dragged && !may_be_dragged {
-            return Err(refused_snapshot(DRAGGED.what, "its targets hang nowhere"));
-        }
+        check_snapshot(good && (!is_dragged || may_be_dragged), DRAGGED.what, "its targets hang nowhere")?;
         load_same(&mut self.practice, &practice.0)?;
         (self.homes, self.is_dragged) = (homes, is_dragged);
         Ok(())

@@ -1,7 +1,7 @@
 //! Characters that live in a stitched world and pursue one goal after another.
 
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, MotionKind, load_same, refused_snapshot, saved_bytes, single_pose};
+use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, load_same, saved_bytes, single_pose};
 use crate::scene::{ANY_PARTNER, GoalConfig, InhabitantGoalConfig, Scene, WeightedGoal};
 use crate::{CharacterEvent, SimulationEvent};
 use glam::{Vec2, Vec3};
@@ -420,9 +420,8 @@ impl MotionKind for InhabitantGroup {
         };
         let are_sound = until_s.iter().all(|t| !t.is_nan()) && requests.iter().flatten().all(is_sound);
         let lengths = [rngs.len(), until_s.len(), ordered.len(), requests.len(), partners.len()];
-        if lengths != [num; 5] || !are_sound || partners.iter().flatten().any(|&o| o >= num) {
-            return Err(refused_snapshot(GOALS.what, "a goal that no character can have"));
-        }
+        let good = lengths == [num; 5] && are_sound && partners.iter().flatten().all(|&o| o < num);
+        check_snapshot(good, GOALS.what, "a goal that no character can have")?;
         load_same(&mut self.inhabitants, &inhabitants.0)?;
         (self.rngs, self.until_s, self.ordered, self.partner_requests, self.partners) =
             (rngs, until_s, ordered, requests, partners);

@@ -2,6 +2,7 @@
 
 use crate::{CharacterEvent, SimulationEvent};
 use glam::Vec3;
+use throng_base::error::ensure;
 use throng_base::ground::ReservedRegion;
 use throng_base::{Bytes, Error, Executor, Hash128, Result};
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
@@ -88,7 +89,7 @@ pub(crate) fn single_pose(pose: &[Mat3x4]) -> &[Mat3x4; NUM_JOINTS] {
 pub(crate) fn load_same(group: &mut impl CharacterGroup, bytes: &[u8]) -> Result<()> {
     let ids = group.bodies().ids.to_vec();
     group.load(bytes)?;
-    if group.bodies().ids == ids { Ok(()) } else { Err(refused_snapshot("characters", "they are others")) }
+    check_snapshot(group.bodies().ids == ids, "characters", "they are others")
 }
 
 /// Bytes of a part of a snapshot.
@@ -96,6 +97,11 @@ pub(crate) fn saved_bytes(save: impl FnOnce(&mut Vec<u8>)) -> Bytes {
     let mut bytes = Bytes::default();
     save(&mut bytes.0);
     bytes
+}
+
+/// Fails with [`Error::Snapshot`] unless `good`.
+pub(crate) fn check_snapshot(good: bool, what: &'static str, why: &str) -> Result<()> {
+    ensure(good, || refused_snapshot(what, why))
 }
 
 /// Error for bytes that are no snapshot.

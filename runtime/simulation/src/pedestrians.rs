@@ -3,7 +3,7 @@
 use crate::CharacterEvent;
 use crate::agents::troop::{SavedTroop, Troop};
 use crate::agents::{advance_crowd, character_event};
-use crate::motion_kind::{refused_snapshot, saved_bytes};
+use crate::motion_kind::{check_snapshot, saved_bytes};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::error::check_value;
@@ -103,9 +103,7 @@ impl Pedestrians {
         self.crowd.load(&saved.crowd.0)?;
         let mut agents = saved.agents.clone();
         agents.sort_unstable();
-        if !self.crowd.ids().eq(agents) {
-            return Err(refused_snapshot(KIND.what, "bodies are of others than those who are there"));
-        }
+        check_snapshot(self.crowd.ids().eq(agents), KIND.what, "bodies are of others than those who are there")?;
         self.troop.agents.clone_from(&saved.agents);
         self.troop.load(&saved.troop)?;
         self.events.clear();

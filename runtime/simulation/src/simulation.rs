@@ -5,7 +5,7 @@ use crate::boxing::{Bouts, Practice};
 use crate::character_groups::AnyCharacterGroup;
 use crate::compile::CompiledScene;
 use crate::inhabitant_group::InhabitantGroup;
-use crate::motion_kind::{GroupStep, MotionKind, refused_snapshot, saved_bytes};
+use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, saved_bytes};
 use crate::scenario::AgentBrains;
 use crate::scene::{GroupMotion, Scene, SpaceConfig};
 use crate::sparring::StruckPart;
@@ -321,9 +321,8 @@ impl Simulation {
     pub fn restore(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
         let (time_s, saved): (f64, Vec<Bytes>) = kind.read_all(bytes)?;
-        if saved.len() != self.character_groups.len() || !(0.0..1e9).contains(&time_s) {
-            return Err(refused_snapshot(kind.what, "it has another time or other groups"));
-        }
+        let is_own = saved.len() == self.character_groups.len() && (0.0..1e9).contains(&time_s);
+        check_snapshot(is_own, kind.what, "it has another time or other groups")?;
         let before = self.character_groups.clone();
         let mut both = self.character_groups.iter_mut().zip(&saved);
         if let Err(e) = both.try_for_each(|(character_group, bytes)| character_group.load(&bytes.0, time_s)) {

@@ -3,7 +3,7 @@
 use crate::agents::{CrowdLayout, Disc};
 use crate::boxing::{characters_config, in_own_manner, resting_states, weighted_order};
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, MotionKind, refused_snapshot, saved_bytes};
+use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, saved_bytes};
 use crate::scene::{AtEndConfig, Scene};
 use crate::{CharacterEvent, SimulationEvent};
 use glam::{Vec2, Vec3, Vec3Swizzles};
@@ -403,13 +403,11 @@ impl MotionKind for Travellers {
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
         let (state, travels, people): (NavigationState, Vec<TravelState>, Bytes) = TRAVELS.read_all(bytes)?;
-        if travels.len() != self.travels.len() || !self.navigation.restore(&state) {
-            return Err(refused_snapshot(TRAVELS.what, "its travels are on no route"));
-        }
+        let is_on_routes = travels.len() == self.travels.len() && self.navigation.restore(&state);
+        check_snapshot(is_on_routes, TRAVELS.what, "its travels are on no route")?;
         self.people.load(&people.0)?;
-        if self.people.ids().iter().any(|id| id.index() >= travels.len() || *id != Id::first(id.index())) {
-            return Err(refused_snapshot(TRAVELS.what, "its characters are others"));
-        }
+        let is_own = |id: &Id| id.index() < travels.len() && *id == Id::first(id.index());
+        check_snapshot(self.people.ids().iter().all(is_own), TRAVELS.what, "its characters are others")?;
         self.travels = travels;
         Ok(())
     }

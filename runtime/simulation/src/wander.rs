@@ -2,7 +2,7 @@
 
 use crate::SimulationEvent;
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, MotionKind, PART, load_same, refused_snapshot, saved_bytes, single_pose};
+use crate::motion_kind::{GroupStep, MotionKind, PART, check_snapshot, load_same, saved_bytes, single_pose};
 use crate::paths::RandomPath;
 use crate::scene::{BodiesConfig, Scene};
 use glam::{Vec2, Vec3};
@@ -151,13 +151,10 @@ impl MotionKind for Wanderers {
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
         let troops: Vec<(Vec<RandomPath>, Bytes)> = PATHS.read_all(bytes)?;
-        if troops.len() != self.troops.len() {
-            return Err(refused_snapshot(PATHS.what, "it has other blend spaces"));
-        }
+        check_snapshot(troops.len() == self.troops.len(), PATHS.what, "it has other blend spaces")?;
         for (own, (paths, walkers)) in self.troops.iter_mut().zip(troops) {
-            if paths.len() != own.paths.len() || !paths.iter().all(RandomPath::is_valid) {
-                return Err(refused_snapshot(PATHS.what, "its paths lead nowhere"));
-            }
+            let are_valid = paths.len() == own.paths.len() && paths.iter().all(RandomPath::is_valid);
+            check_snapshot(are_valid, PATHS.what, "its paths lead nowhere")?;
             load_same(&mut own.walkers, &walkers.0)?;
             own.paths = paths;
         }

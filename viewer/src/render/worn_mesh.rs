@@ -8,6 +8,7 @@ use image::imageops::FilterType;
 use image::{ImageFormat, ImageReader, Limits, RgbaImage};
 use std::collections::HashMap;
 use std::io::Cursor;
+use throng_base::error::ensure;
 use throng_precompute::wearer::{Material, SkinnedFigure, SurfaceCorner};
 
 /// Distance below which corners are merged, by level of detail, for a character of height [`HEIGHT_M`] (m).
@@ -150,9 +151,7 @@ fn textures(images: &[Vec<u8>], materials: &[Material]) -> Result<(Vec<RgbaImage
 
 fn pixels(bytes: &[u8]) -> Result<RgbaImage, String> {
     let format = image::guess_format(bytes).map_err(|e| e.to_string())?;
-    if !matches!(format, ImageFormat::Png | ImageFormat::Jpeg) {
-        return Err(format!("found a picture as {format:?}"));
-    }
+    ensure(matches!(format, ImageFormat::Png | ImageFormat::Jpeg), || format!("found a picture as {format:?}"))?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_IMAGE_PX), Some(MAX_IMAGE_PX));

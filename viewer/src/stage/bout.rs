@@ -38,11 +38,6 @@ pub fn colour_of(met: BlowResult) -> Option<Rgba> {
     }
 }
 
-/// Colour of a character of a pair: opponents differ.
-pub(super) fn corner_colour(member: usize, palette: &StagePalette) -> Rgba {
-    [palette.left, palette.right][member % 2].mix(palette.plain, 0.25)
-}
-
 /// Targets, the selected one's opponent, and marks of blows.
 ///
 /// - `marks_places`: targets on the ground are drawn, too.

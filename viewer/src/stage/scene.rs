@@ -132,7 +132,9 @@ fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize,
         }
         (Colouring::Speed | Colouring::Made, _) => palette.plain,
         (Colouring::Target, (AnyCharacterGroup::Patches(i), m)) => world::kind_of(i.state(m).activity).1,
-        (Colouring::Target, (AnyCharacterGroup::Sparring(_), m)) => bout::corner_colour(m, palette),
+        (Colouring::Target, (AnyCharacterGroup::Sparring(_), m)) => {
+            [palette.left, palette.right][m % 2].mix(palette.plain, 0.25)
+        }
         (Colouring::Target, (AnyCharacterGroup::Policy(_), _)) if is_at_target(simulation, who) => palette.reached,
         (Colouring::Target, (AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Travel(_), _)) => palette.on_the_way,
         (Colouring::Target | Colouring::Clip, _) => cues::category(group),

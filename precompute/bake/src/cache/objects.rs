@@ -8,7 +8,7 @@ use std::error::Error as _;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::{BuildError, Result, ensure};
 use tokio::runtime::{Builder, Runtime};
 
 /// Size of the parts in which longer entries are sent; such an entry appears when all parts have arrived (bytes).
@@ -41,9 +41,7 @@ impl ObjectStorage {
         let of = |why: String| BuildError::Store { address: address.into(), why };
         let name = address.strip_prefix(STORE).unwrap_or_default();
         let (bucket, prefix) = name.split_once('/').unwrap_or((name, ""));
-        if bucket.is_empty() {
-            return Err(of("expected s3://BUCKET/PREFIX".into()));
-        }
+        ensure(!bucket.is_empty(), || of("expected s3://BUCKET/PREFIX".into()))?;
         // rustls needs a choice if a program has none or several providers; an earlier choice stays.
         _ = rustls::crypto::ring::default_provider().install_default();
         let mut settings = AmazonS3Builder::from_env().with_bucket_name(bucket).with_retry(RetryConfig {

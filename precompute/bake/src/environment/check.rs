@@ -4,7 +4,7 @@ use super::{UnitObject, UnitSet, UnitShape};
 use std::collections::BTreeSet;
 use std::path::Path;
 use throng_base::text::TomlSource;
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::{BuildError, Result, ensure};
 
 /// Upper bound of sizes and positions within a unit (m).
 const MAX_LENGTH: f32 = 1e4;
@@ -56,10 +56,8 @@ impl UnitSet {
         let mut names = BTreeSet::new();
         for (i, unit) in self.units.iter().enumerate() {
             let within = |e: BuildError| e.within_key(&format!("units[{i}]"));
-            if !names.insert(&unit.name) {
-                let why = format!("another unit is called `{}`; rename one of them", unit.name);
-                return Err(within(BuildError::key("name", why)));
-            }
+            let why = || format!("another unit is called `{}`; rename one of them", unit.name);
+            ensure(names.insert(&unit.name), || within(BuildError::key("name", why())))?;
             check_unit(unit).map_err(within)?;
         }
         Ok(())

@@ -23,13 +23,11 @@ pub struct UnitObject {
     pub shapes: Vec<UnitShape>,
     /// Region of hips: a pose with hips in this box belongs to the unit. If absent, the bounding box of the shapes, up
     /// to 1.2 m above them.
-    #[serde(default)]
     pub region: Option<UnitRegion>,
     /// Order of rotational symmetry about the vertical: a full turn over this number changes nothing.
     #[serde(default = "default_symmetry")]
     pub symmetry: u32,
     /// Joining edges of copies, for a unit with tilable motion.
-    #[serde(default)]
     pub tile: Option<TileEdges>,
     /// True for floors: bodies walk on the unit and may touch it with their feet anywhere.
     #[serde(default)]

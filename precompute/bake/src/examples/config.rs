@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::blend::{MAX_AXES, axis};
-use throng_motion::error::{BuildError, Result, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges, ensure};
 
 /// A blend space: example motions in a parameter box, and how they are tabulated (Kim, Kim and Shin 2003a, section 4).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -71,10 +71,8 @@ pub struct AxisConfig {
     #[serde(default)]
     pub name: String,
     /// Lowest and highest value of the box; the examples' extent if absent.
-    #[serde(default)]
     pub range: Option<[f64; 2]>,
     /// Distance between examples that counts as 1; their typical distance if absent (> 0).
-    #[serde(default)]
     pub spacing: Option<f64>,
     /// A style axis only: the value of an example whose frames carry a tag.
     #[serde(default)]
@@ -271,9 +269,7 @@ const SYMMETRIC: &str = "`symmetric` makes the cycle of one step and its mirrore
 
 impl ExampleConfig {
     fn check(&self) -> Result<()> {
-        if self.clip.is_empty() {
-            return Err(config_error("clip", "expected a clip by name or pattern, found none"));
-        }
+        ensure(!self.clip.is_empty(), || config_error("clip", "expected a clip by name or pattern, found none"))?;
         if let Some([first, end]) = self.frames.filter(|[first, end]| first >= end) {
             return Err(config_error(
                 "frames",
@@ -289,12 +285,8 @@ impl ExampleConfig {
 
 impl FindConfig {
     fn check(&self) -> Result<()> {
-        if self.clips.is_empty() {
-            return Err(config_error("clips", "expected clips by name or pattern, found none"));
-        }
-        if self.most == Some(0) {
-            return Err(config_error("most", "expected 1 or more, found 0"));
-        }
+        ensure(!self.clips.is_empty(), || config_error("clips", "expected clips by name or pattern, found none"))?;
+        ensure(self.most != Some(0), || config_error("most", "expected 1 or more, found 0"))?;
         if let Some(deg) = self.closing_deg.filter(|d| !(*d > 0.0 && *d <= 180.0)) {
             return Err(config_error("closing_deg", &format!("expected more than 0, 180 at most, found {deg}")));
         }

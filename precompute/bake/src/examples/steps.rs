@@ -55,9 +55,7 @@ struct FootStrike {
 pub fn sequence(track: &ClipTrack<'_>, range: &FrameRange) -> StepSequence {
     let strikes = strikes(track, range);
     let mut out = StepSequence::default();
-    for pair in strikes.windows(2).filter(|p| p[0].left == p[1].left) {
-        out.faults.push(repeated(&pair[0], &pair[1]));
-    }
+    out.faults.extend(strikes.windows(2).filter(|p| p[0].left == p[1].left).map(|p| repeated(&p[0], &p[1])));
     for pair in strikes.windows(2).filter(|p| both_together(&p[0], &p[1])) {
         out.faults
             .push(StepFault { what: format!("both feet strike at frame {:.0}", pair[0].time + 0.5), at: pair[0].time });

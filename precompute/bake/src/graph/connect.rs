@@ -15,7 +15,7 @@ use crate::features::{self, Features, FeaturesConfig};
 use crate::stages::stage_error;
 use throng_base::{Comm, SingleRank};
 use throng_motion::clip::ClipSet;
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::{BuildError, Result, ensure};
 use throng_motion::progress::Progress;
 
 /// Points compared for each event (see [`LinkLimits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions
@@ -132,10 +132,8 @@ fn check_clips(clips: &ClipSet) -> Result<f64> {
         return Err(stage_error("graph", "there are no clips", "Check the paths of the config"));
     };
     for c in &clips.clips {
-        if c.contacts.len() != c.num_frames() {
-            let message = format!("clip {}: expected {} contacts, found {}", c.name, c.num_frames(), c.contacts.len());
-            return Err(stage_error("graph", message, "Annotate the clips first"));
-        }
+        let message = || format!("clip {}: expected {} contacts, found {}", c.name, c.num_frames(), c.contacts.len());
+        ensure(c.contacts.len() == c.num_frames(), || stage_error("graph", message(), "Annotate the clips first"))?;
         if c.rate_hz != first.rate_hz {
             let (name, rate, wanted) = (&c.name, c.rate_hz, first.rate_hz);
             let message = format!("clip {name}: expected {wanted} Hz as clip {}, found {rate} Hz", first.name);

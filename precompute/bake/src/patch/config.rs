@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::de::value::MapDeserializer;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use throng_motion::error::{BuildError, Result, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges, ensure};
 
 /// Most entries, exits and rest spots of a tile.
 const MOST_SPOTS: usize = 2_000_000;
@@ -166,10 +166,8 @@ impl TileConfig {
             ("margin_m", self.margin_m, 0.0, 10.0),
         ];
         for (i, pattern) in self.pairs.iter().enumerate().flat_map(|(i, p)| p.iter().map(move |p| (i, p))) {
-            if pattern.matches('*').count() != 1 {
-                let why = format!("expected patterns with one `*` each, found `{pattern}`. Correct the config.");
-                return Err(BuildError::key(format!("pairs[{i}]"), why));
-            }
+            let why = || format!("expected patterns with one `*` each, found `{pattern}`. Correct the config.");
+            ensure(pattern.matches('*').count() == 1, || BuildError::key(format!("pairs[{i}]"), why()))?;
         }
         check_ranges(limits)?;
         let entries = 8 * self.slots * (2 * self.headings + 1) * self.edge_groups;

@@ -30,7 +30,6 @@ pub struct WorldSource {
     /// Bundle with the patches, relative to this file's folder.
     pub bundle: PathBuf,
     /// Config from which a missing bundle is built, relative to this file's folder.
-    #[serde(default)]
     pub config: Option<PathBuf>,
     /// Settings of stitching.
     #[serde(default)]

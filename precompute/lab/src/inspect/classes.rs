@@ -44,18 +44,14 @@ impl ClassTime {
         let seconds = span.frames.len() as f64 / rate_hz;
         Self { posture: posture.name(), gait: span.gait_name(), neutral, carrying, manner, seconds }
     }
-
-    /// True for standing that is not neutral.
-    fn is_gesture(&self) -> bool {
-        self.gait == Gait::Stand.name() && !self.neutral && self.posture == "upright"
-    }
 }
 
 impl fmt::Display for ClassTime {
     /// Writes the words that set it apart, without its manner.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let posture = if self.posture == "upright" { "" } else { self.posture };
-        let gait = if self.is_gesture() { "gesture" } else { self.gait };
+        let is_gesture = self.gait == Gait::Stand.name() && !self.neutral && self.posture == "upright";
+        let gait = if is_gesture { "gesture" } else { self.gait };
         let [neutral, load] =
             [(self.neutral, "neutral"), (self.carrying, "with a load")].map(|(is, w)| if is { w } else { "" });
         let words: Vec<&str> = [neutral, posture, gait, load].into_iter().filter(|w| !w.is_empty()).collect();

@@ -9,7 +9,7 @@ pub use levels::{LevelFigures, levels};
 
 use throng_core::Bundle;
 use throng_core::base::limits::{CHARACTERS, MEASURING_S};
-use throng_motion::error::Result;
+use throng_motion::error::{Result, ensure};
 use timing::fail;
 
 /// Settings of a measurement.
@@ -26,9 +26,7 @@ pub struct BundleMeasureConfig {
 impl BundleMeasureConfig {
     /// Checks numbers of characters and times, and that a bundle has a behaviour.
     fn check(&self, tables: &Bundle) -> Result<()> {
-        if tables.policies().is_empty() {
-            return Err(fail("the bundle has no behaviour"));
-        }
+        ensure(!tables.policies().is_empty(), || fail("the bundle has no behaviour"))?;
         let numbers = self.characters.iter().try_for_each(|&n| CHARACTERS.check_count("characters", n));
         let times = || MEASURING_S.check("seconds", None, self.seconds);
         numbers.and_then(|()| times()).map_err(|e| fail(e.to_string()))

@@ -11,7 +11,7 @@ use std::path::Path;
 use take_recorder::TakeRecorder;
 use throng_core::Bundle;
 use throng_core::base::limits::{EXPORT_HZ, MOMENT_S, SECONDS, STEP_HZ};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::{BuildError, Result, ensure};
 use throng_motion::export::Take;
 use throng_motion::progress::Progress;
 use throng_simulation::{CompiledScene, Simulation};
@@ -151,9 +151,7 @@ impl TakeSpan {
 /// The selected numbers, out of `total`; `what` names one of them in messages.
 fn selected_numbers(config: &PerformConfig, total: usize, what: &str) -> Result<Vec<usize>> {
     let help = format!("Give --characters as 0..{}, or as a list such as 0,4,7..9", total.saturating_sub(1));
-    if total == 0 {
-        return Err(export_error(format!("there is no {what}"), "Name something else to export"));
-    }
+    ensure(total > 0, || export_error(format!("there is no {what}"), "Name something else to export"))?;
     if config.characters.is_empty() {
         return Ok((0..total).collect());
     }

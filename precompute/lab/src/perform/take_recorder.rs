@@ -2,7 +2,7 @@
 
 use super::{TIME_TOLERANCE_S, TakeJob, TakeSpan, export_error, selected_numbers};
 use throng_core::Skeleton;
-use throng_motion::error::Result;
+use throng_motion::error::{Result, ensure};
 use throng_motion::export::{ActorPose, Take, TakeWriter};
 use throng_simulation::{GroupMotion, Simulation};
 
@@ -94,10 +94,8 @@ impl<'a> TakeRecorder<'a> {
     /// - `ended_s`: when the run ended (s).
     pub fn into_take(self, ended_s: f64) -> Result<Take> {
         self.job.progress.end();
-        if self.next == 0 {
-            let what = format!("--from {}: the run has ended by {ended_s:.3} s", self.span.from_s);
-            return Err(export_error(what, "Begin earlier"));
-        }
+        let what = || format!("--from {}: the run has ended by {ended_s:.3} s", self.span.from_s);
+        ensure(self.next > 0, || export_error(what(), "Begin earlier"))?;
         self.writer.into_take().map_err(|e| self.job.file_error(e))
     }
 }

@@ -8,7 +8,7 @@ use throng_bake::pipeline;
 use throng_core::base::text::did_you_mean;
 use throng_core::blend::{BlendSpace, axis};
 use throng_core::{Bundle, FormatError, NUM_JOINTS};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::{BuildError, Result, ensure};
 use throng_motion::import::{self, ImportedClip};
 use throng_motion::{Clip, ClipSet, Warnings};
 use throng_planner::task::{ActorClip, ActorSource, ClipEntry, Task, WalkEntry, WalkError, WalkedTask};
@@ -86,10 +86,8 @@ fn blend_space(walk: &WalkEntry, with: &BuildContext<'_>) -> Result<BlendSpace> 
         return Err(config_error(format!("{path} has no blend spaces; build one (docs/blending.md)")));
     };
     let space = bundle.blend(name).map_err(|e| config_error(format!("{path}: {e}")))?;
-    if space.axes().first().is_none_or(|a| a.kind != axis::SPEED) {
-        let why = format!("`{name}` cannot walk here: expected a blend space whose first axis is speed");
-        return Err(config_error(why));
-    }
+    let why = || format!("`{name}` cannot walk here: expected a blend space whose first axis is speed");
+    ensure(space.axes().first().is_some_and(|a| a.kind == axis::SPEED), || config_error(why()))?;
     Ok(space)
 }
 
@@ -136,10 +134,8 @@ fn cut_clip(whole: ActorClip, from_s: f64, to_s: Option<f64>) -> Result<ActorCli
     let ActorClip { clip, skeleton } = whole;
     let end_s = clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz;
     let [first, last] = [from_s, to_s.unwrap_or(end_s)].map(|t| (t * clip.rate_hz).round());
-    if last / clip.rate_hz > end_s + 1e-6 || first >= last {
-        let why = format!("expected a part of the clip's 0 to {end_s:.2} s, found {from_s} to {to_s:?} s");
-        return Err(config_error(why));
-    }
+    let why = || format!("expected a part of the clip's 0 to {end_s:.2} s, found {from_s} to {to_s:?} s");
+    ensure(!(last / clip.rate_hz > end_s + 1e-6 || first >= last), || config_error(why()))?;
     let (first, last) = (first as usize, last as usize);
     if (first, last + 1) == (0, clip.num_frames()) {
         return Ok(ActorClip { clip, skeleton });

@@ -6,7 +6,7 @@ use std::path::Path;
 use throng_core::base::file::{MAX_TEXT_BYTES, read_file};
 use throng_core::base::limits::{SECONDS, STEP_HZ};
 use throng_core::base::{Error, SnapshotKind};
-use throng_motion::error::Result;
+use throng_motion::error::{Result, ensure};
 use throng_simulation::{CompiledScene, Scene, Simulation};
 
 const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", version: 1, setup: 0 };
@@ -114,9 +114,7 @@ impl RunRecording {
         let differs = |what: &str| {
             config_error(format!("the recording of \"{}\" cannot be replayed: {what}; record it again", self.name))
         };
-        if compiled.hash() != self.setup {
-            return Err(differs("its scene, a bundle or a world is another one now"));
-        }
+        ensure(compiled.hash() == self.setup, || differs("its scene, a bundle or a world is another one now"))?;
         let until_s = until_s.unwrap_or(self.seconds).clamp(0.0, self.seconds);
         let mut sim = Simulation::new(compiled).map_err(config_error)?;
         let mut seen = 0;

@@ -9,7 +9,7 @@ use throng_base::clock::thread_cpu_s;
 use throng_base::limits::SECONDS;
 use throng_base::{Comm, Error};
 use throng_crowd::Crowd;
-use throng_motion::error::Result;
+use throng_motion::error::{Result, ensure};
 use throng_motion::memory;
 use throng_motion::progress::Progress;
 use throng_simulation::{CompiledScene, Simulation};
@@ -133,9 +133,7 @@ fn crowd_of(scene: &CompiledScene) -> Result<Crowd> {
         return Err(scene_error("its agents react to what happens, and only one process can move such; leave out happenings, rules and wandering".into()));
     }
     let others = || scene_error("expected a scene of agents, with `motion = \"none\"`".into());
-    if !scene.scene().groups.iter().all(|g| g.is_of_agents()) {
-        return Err(others());
-    }
+    ensure(scene.scene().groups.iter().all(|g| g.is_of_agents()), others)?;
     let sim = Simulation::new(scene).map_err(config_error)?;
     agents_crowd(&sim.character_groups()[0]).cloned().ok_or_else(others)
 }

@@ -120,14 +120,9 @@ pub(super) fn plain(name: &str) -> &str {
 /// # Errors
 /// Errors of [`Profile::parse`], and [`ImportError::Io`].
 pub fn load_profiles(files: &[std::path::PathBuf]) -> Result<Vec<Profile>, ImportError> {
-    let mut profiles = Vec::new();
-    for path in files {
-        profiles.push(Profile::from_source(&TomlSource::read(path, "a skeleton profile")?)?);
-    }
-    for text in BUILT_IN {
-        profiles.push(Profile::parse(text, Path::new("built-in skeleton profile"))?);
-    }
-    Ok(profiles)
+    let given = files.iter().map(|path| Profile::from_source(&TomlSource::read(path, "a skeleton profile")?));
+    let built_in = BUILT_IN.iter().map(|text| Profile::parse(text, Path::new("built-in skeleton profile")));
+    given.chain(built_in).collect()
 }
 
 #[cfg(test)]

@@ -162,12 +162,9 @@ fn share_within(clips: &[&[FootPoint]], slope: Vec3, near: f32) -> f32 {
 
 /// Distance from the floors of their clips within which nine in ten points are (m).
 fn spread(clips: &[&[FootPoint]], slope: Vec3) -> f32 {
-    let mut far = Vec::new();
-    for points in clips {
-        let level = level_of(points, slope);
-        far.extend(points.iter().map(|p| (above(p, slope) - level).abs()));
-    }
-    value_at_share(far, 0.9)
+    let levels = clips.iter().map(|points| (points, level_of(points, slope)));
+    let far = levels.flat_map(|(points, level)| points.iter().map(move |p| (above(p, slope) - level).abs()));
+    value_at_share(far.collect(), 0.9)
 }
 
 /// The median height of the points (m).

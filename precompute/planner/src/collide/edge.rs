@@ -78,9 +78,8 @@ impl Checker {
             if piece.level >= MAX_LEVEL {
                 return false;
             }
-            for (from, to) in [(piece.from, at), (at, piece.to)] {
-                self.intervals.push(EdgeInterval { from, to, first, end, level: piece.level + 1, joints });
-            }
+            let half = |(from, to)| EdgeInterval { from, to, first, end, level: piece.level + 1, joints };
+            self.intervals.extend([(piece.from, at), (at, piece.to)].map(half));
         }
         true
     }

@@ -11,6 +11,7 @@ use crate::planner::{LimbMotion, LimbPlanner, PlanError, PlanOutcome};
 use crate::problem::{LimbState, Problem};
 use crate::rotation::Rigid;
 use crate::setup::{ProblemError, ProblemSpec};
+use throng_base::error::ensure;
 use throng_motion::Clip;
 
 /// A target to reach in time.
@@ -99,9 +100,7 @@ fn on_frames(clip: &Clip, times_s: [f64; 3]) -> Result<[f64; 3], ProblemError> {
     let last = clip.num_frames().saturating_sub(1) as f64;
     let frames = times_s.map(|t| (t * clip.rate_hz).round());
     let ascend = frames[0] >= 0.0 && frames[0] < frames[1] && frames[1] < frames[2] && frames[2] <= last;
-    if !ascend {
-        return Err(wrong_times(times_s, last / clip.rate_hz));
-    }
+    ensure(ascend, || wrong_times(times_s, last / clip.rate_hz))?;
     Ok(frames.map(|f| f / clip.rate_hz))
 }
 

@@ -296,9 +296,8 @@ impl TaskStage<'_> {
         let there = self.surroundings_of_limb(who, second.limb, [from_s, at_s]);
         let path = LimbPath { limb: second.limb, goal: Some(other.hand), ..path };
         plans.push(plan_limb_path(self, path, &there).map_err(|e| e.of_limb(second.limb))?);
-        for (limb, target) in [(lead, first.hand), (second.limb, other.hand)] {
-            self.pins.push(Pin { character: who, limb, time_s: at_s, target });
-        }
+        let pin = |(limb, target)| Pin { character: who, limb, time_s: at_s, target };
+        self.pins.extend([(lead, first.hand), (second.limb, other.hand)].map(pin));
         self.allow_neighbours(who, lead, object, &first.object, [at_s, held_until_s(self, step, object)]);
         let placement = first.placement_in_hand(who, lead, Some(second));
         self.placements[object].push(PlacementSpan { from_s: at_s, placement });

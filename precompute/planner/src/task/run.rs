@@ -11,6 +11,7 @@ use crate::search::{LoggedTrees, TreeLog};
 use serde::Serialize;
 use std::error::Error;
 use std::sync::atomic::{AtomicBool, Ordering};
+use throng_base::error::ensure;
 use throng_motion::Clip;
 
 /// Result of one step.
@@ -259,9 +260,7 @@ impl Task {
 
     pub(super) fn check_clips(&self, clips: &[ActorClip]) -> Result<(), ClipMismatch> {
         let (expected, found) = (self.characters.len(), clips.len());
-        if expected != found {
-            return Err(ClipMismatch::number(expected, found));
-        }
+        ensure(expected == found, || ClipMismatch::number(expected, found))?;
         if let Some(step) = self.steps.iter().find(|s| !s.is_timed()) {
             return Err(ClipMismatch::not_walked(&self.characters[step.character]));
         }

@@ -98,9 +98,7 @@ impl BoxingScript {
             self.step(second, then, then + flight, turned, error[second.index()])
         };
         self.facing.push(end, turned);
-        if let Some(tag) = shuffle.tag {
-            self.tags.push((tag, at, end));
-        }
+        self.tags.extend(shuffle.tag.map(|tag| (tag, at, end)));
         self.feet_free = end + BETWEEN;
         end
     }

@@ -9,6 +9,7 @@ use crate::bundle::Bundle;
 use crate::character_group::AdoptReport;
 use crate::skeleton::NUM_JOINTS;
 use glam::{Quat, Vec3};
+use throng_base::error::ensure;
 use throng_base::simd::LANES;
 use throng_base::{Result, maths};
 
@@ -20,9 +21,7 @@ pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptR
     let number = |policy: u32| Ok(new.find_policy(&names[policy as usize])? as u32);
     let orders = group.orders.iter().map(|o| o.with_policy_numbers(number)).collect::<Result<Vec<_>>>()?;
     orders.iter().try_for_each(|o| motion_set.manners.check(o.manner))?;
-    if motion_set.graph().states.is_empty() {
-        return Err(no_graph());
-    }
+    ensure(!motion_set.graph().states.is_empty(), no_graph)?;
     let poses = state_poses(&motion_set);
     let arrivals = segments_into_states(&motion_set);
     let mut characters = Characters::with_capacity(&motion_set, group.characters.config, group.capacity())?;

@@ -56,7 +56,7 @@ pub use sample_job::SampleJob;
 pub use scheduled_clip::ScheduledClip;
 pub use snapshot::CharactersSnapshot;
 use step::{CharacterRange, CharactersTick};
-use throng_base::error::{check_index, check_length, check_value};
+use throng_base::error::{check_index, check_length, check_value, ensure};
 use throng_base::limits::{CAPACITY, STEP_S};
 use throng_base::simd::LANES;
 use throng_base::{Error, Executor, Id, Inline, Result, maths, run_each};
@@ -485,10 +485,8 @@ impl Characters {
     }
 
     fn check_bundle(&self, motion_set: &MotionSet) -> Result<()> {
-        if self.bundle.is_same(&motion_set.bundle) {
-            return Ok(());
-        }
-        Err(Error::OtherBundle { expected: self.bundle.hash(), got: motion_set.bundle.hash() })
+        let (own, other) = (&self.bundle, &motion_set.bundle);
+        ensure(own.is_same(other), || Error::OtherBundle { expected: own.hash(), got: other.hash() })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::planar::wrap_angle;
 use crate::policy::PolicyTable;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::error::{check_index, check_value};
+use throng_base::error::{check_index, check_value, ensure};
 use throng_base::{Error, Id, Result};
 
 /// Time ahead of a moving target for which characters make, and longest time from one order to the next within which a target
@@ -179,10 +179,8 @@ impl PolicyOrder {
     /// [`Error::Length`].
     pub fn with_weights(mut self, weights: &[f32]) -> Result<Self> {
         let (got, n) = (weights.len(), self.policies().len());
-        if got != n {
-            let expected = format!("{n}, one for each behaviour");
-            return Err(Error::Length { what: "weights", got, expected });
-        }
+        let expected = || format!("{n}, one for each behaviour");
+        ensure(got == n, || Error::Length { what: "weights", got, expected: expected() })?;
         self.weights[..n].copy_from_slice(weights);
         Ok(self)
     }

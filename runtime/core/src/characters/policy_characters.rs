@@ -21,7 +21,7 @@ use crate::reserve::{FloorWall, ReservedRegion};
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Vec2, Vec3};
-use throng_base::error::{check_index, check_value};
+use throng_base::error::{check_index, check_value, ensure};
 use throng_base::limits::STEP_S;
 use throng_base::simd::LANES;
 use throng_base::{Error, Executor, Hash128, Id, Result, SnapshotKind};
@@ -87,9 +87,7 @@ impl PolicyCharacters {
     /// [`Error::Value`] for a setting or capacity out of its range, [`Error::Unknown`] for a bundle without a motion graph.
     pub fn with_capacity(bundle: &Bundle, capacity: usize, config: CharactersConfig) -> Result<Self> {
         let motion_set = MotionSet::new(bundle);
-        if motion_set.graph().states.is_empty() {
-            return Err(no_graph());
-        }
+        ensure(!motion_set.graph().states.is_empty(), no_graph)?;
         let characters = Characters::with_capacity(&motion_set, config, capacity)?;
         Ok(Self {
             bundle: bundle.clone(),
@@ -195,9 +193,7 @@ impl PolicyCharacters {
     pub fn aim_all(&mut self, targets: &[Vec3], threats: &[Vec3]) -> Result<()> {
         let n = self.orders.len();
         for (what, got) in [("targets", targets.len()), ("threats", threats.len())] {
-            if got != n {
-                return Err(Error::Length { what, got, expected: format!("{n}, one for each character") });
-            }
+            ensure(got == n, || Error::Length { what, got, expected: format!("{n}, one for each character") })?;
         }
         let new =
             |(order, (target, threat)): (&PolicyOrder, (&Vec3, &Vec3))| order.with_target(*target).with_threat(*threat);

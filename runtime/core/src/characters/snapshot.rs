@@ -8,6 +8,7 @@ use super::step::{self, CharactersTick};
 use crate::body::{Lanewise, LimbTouch, Mat3x4};
 use crate::skeleton::NUM_JOINTS;
 use serde::{Deserialize, Serialize};
+use throng_base::error::ensure;
 use throng_base::simd::LANES;
 use throng_base::{Error, Result};
 
@@ -59,10 +60,8 @@ impl Characters {
     /// changed then.
     pub fn restore(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> Result<()> {
         let (n, expected) = (snapshot.num_characters, self.num_characters);
-        if n != expected {
-            let why = format!("it has {n} characters, expected {expected}");
-            return Err(Error::Snapshot { what: "characters", why });
-        }
+        let why = || format!("it has {n} characters, expected {expected}");
+        ensure(n == expected, || Error::Snapshot { what: "characters", why: why() })?;
         self.restore_any(motion_set, snapshot)
     }
 

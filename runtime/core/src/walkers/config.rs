@@ -158,10 +158,8 @@ impl WalkerStart {
 }
 
 pub(super) fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
-    for (what, got) in [("root x", root.x), ("root z", root.z), ("root heading", root.heading)] {
-        check_moderate(what, who, got)?;
-    }
-    Ok(())
+    let numbers = [("root x", root.x), ("root z", root.z), ("root heading", root.heading)];
+    numbers.into_iter().try_for_each(|(what, got)| check_moderate(what, who, got))
 }
 
 impl WalkersConfig {

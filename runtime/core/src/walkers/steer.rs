@@ -38,14 +38,14 @@ pub(crate) struct WalkerSteering<'a> {
 
 impl<'a> WalkerSteering<'a> {
     pub fn new(space: &'a BlendSpace, config: &WalkersConfig, dt_s: f32) -> Self {
-        let axes = space.axes();
+        let (axes, half_life_s) = (space.axes(), config.heading_half_life_s);
         Self {
             axes,
             clamped: space.record().extrapolate == 0,
             sideways: space.axis_of(axis::SIDE).is_some(),
             backward: axes.iter().any(|a| a.kind == axis::SPEED && a.low < 0.0),
             dt_s,
-            keep_heading: remaining_share(dt_s, config.heading_half_life_s),
+            keep_heading: if half_life_s > 0.0 { maths::exp2(-dt_s / half_life_s) } else { 0.0 },
             spring: DampedSpring::new(dt_s, config.parameter_half_life_s),
             max_turning_rate: config.max_turning_rate,
             inertia: config.inertia,
@@ -213,9 +213,4 @@ impl<'a> WalkerSteering<'a> {
 fn lean([left, ahead]: [[f32; 8]; 2], lane: usize) -> f32 {
     let v = Vec2::new(left[lane], ahead[lane]);
     if v.y > WALKING_MPS { maths::atan2(v.x, v.y) } else { 0.0 }
-}
-
-/// Share of a difference that is left after a time; 0 for a half-life of 0.
-fn remaining_share(dt_s: f32, half_life_s: f32) -> f32 {
-    if half_life_s > 0.0 { maths::exp2(-dt_s / half_life_s) } else { 0.0 }
 }

@@ -18,6 +18,7 @@ use crate::steering::relationships::AgentRelationships;
 use crate::{CrowdSetup, EventCounts, NONE, Route, Space};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
+use throng_base::error::ensure;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
@@ -135,9 +136,7 @@ impl<V: Space> Engine<V> {
     pub fn load(&mut self, bytes: &[u8]) -> Result<()> {
         let saved: SavedCrowd<V> = self.snapshot_kind().read_all(bytes)?;
         let before = self.scenery.doors.clone();
-        if saved.doors.len() != before.len() {
-            return Err(refused("it has other obstacles"));
-        }
+        ensure(saved.doors.len() == before.len(), || refused("it has other obstacles"))?;
         // Agents are checked against what stood then.
         self.scenery.set_doors(&saved.doors, &self.cells).map_err(refused)?;
         let loaded = self.load_checked(saved);
@@ -214,9 +213,7 @@ impl<V: Space> Engine<V> {
         if !may_be_grid || !(0.0..=1e9).contains(&saved.now) || !self.may_have_seen(saved) {
             return Err("its time or its grid cannot be".to_owned());
         }
-        if !self.turns.is_possible(&saved.turns, saved.now) {
-            return Err("its passages are others".to_owned());
-        }
+        ensure(self.turns.is_possible(&saved.turns, saved.now), || "its passages are others".to_owned())?;
         let capacity = saved.states.len();
         let mut is_new = vec![true; capacity];
         for plan in &saved.plans {
@@ -234,14 +231,12 @@ impl<V: Space> Engine<V> {
             return Err("somebody senses what cannot be".to_owned());
         }
         let is_there = |m: u32| saved.states.get(m as usize).is_some_and(|s| s.cell != NONE);
-        if !self.relationships.is_possible(&saved.relationships, is_there) {
-            return Err("somebody cares for what cannot be".to_owned());
-        }
+        let may_care = self.relationships.is_possible(&saved.relationships, is_there);
+        ensure(may_care, || "somebody cares for what cannot be".to_owned())?;
         let num_there = saved.states.iter().filter(|m| m.cell != NONE).count();
         for &number in &saved.free {
-            if !is_new.get_mut(number as usize).is_some_and(std::mem::take) {
-                return Err(format!("number {number} is free and taken"));
-            }
+            let was_new = is_new.get_mut(number as usize).is_some_and(std::mem::take);
+            ensure(was_new, || format!("number {number} is free and taken"))?;
         }
         if num_there != saved.plans.len() || num_there + saved.free.len() != capacity {
             return Err(format!("{num_there} agents have {} plans", saved.plans.len()));

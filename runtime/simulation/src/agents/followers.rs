@@ -5,7 +5,7 @@ use super::stage::{BodyActivity, CrowdStage};
 use super::things::{BodyGrasps, grasps};
 use super::troop::{SavedTroop, Troop};
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, refused_snapshot};
+use crate::motion_kind::{GroupStep, check_snapshot};
 use crate::wander::random_skeletons;
 use glam::{Vec2, Vec3Swizzles};
 use std::ops::Range;
@@ -137,9 +137,7 @@ impl Followers {
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; a part may have been loaded then.
     pub fn load(&mut self, troops: &[SavedTroop], ids: &[Option<Id>], shown: &[BodyActivity]) -> Result<()> {
-        if troops.len() != self.troops.len() {
-            return Err(refused_snapshot("bodies", "it has other blend spaces"));
-        }
+        check_snapshot(troops.len() == self.troops.len(), "bodies", "it has other blend spaces")?;
         let num = self.troops.len();
         for (t, (own, saved)) in self.troops.iter_mut().zip(troops).enumerate() {
             let mine = self.agents.clone().filter(|m| m % num == t);

@@ -4,7 +4,7 @@ use super::SceneAgents;
 use super::stage::BodyActivity;
 use super::things::{HandlingCounts, ThingState, is_near};
 use super::troop::SavedTroop;
-use crate::motion_kind::{refused_snapshot, saved_bytes};
+use crate::motion_kind::{check_snapshot, refused_snapshot, saved_bytes};
 use crate::scenario::AgentBrains;
 use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Id, Result, SnapshotKind};
@@ -58,24 +58,19 @@ impl<V: Space> SceneAgents<V> {
         self.check(&saved).map_err(|why| refused_snapshot(KIND.what, why))?;
         self.stage.crowd.load(&saved.crowd.0).map_err(throng_base::Error::from)?;
         let outside = &mut self.stage;
-        if outside.crowd.time_s() != time_s {
-            return Err(refused_snapshot(KIND.what, "its crowd is at another time"));
-        }
+        check_snapshot(outside.crowd.time_s() == time_s, KIND.what, "its crowd is at another time")?;
         // Each member of the crowd is exactly one agent.
         let is_own = |id: Id| {
             let agent = saved.agent_of.get(id.index()).map(|a| *a as usize);
             agent.is_some_and(|a| saved.ids.get(a) == Some(&Some(id)))
         };
-        if !outside.crowd.ids().all(is_own) {
-            return Err(refused_snapshot(KIND.what, "somebody in its crowd is nobody of the scene"));
-        }
+        check_snapshot(outside.crowd.ids().all(is_own), KIND.what, "somebody in its crowd is nobody of the scene")?;
         if let (Some(brains), Some(bytes)) = (&mut self.brains, &saved.brains) {
             brains.load(&bytes.0, time_s)?;
         }
         let has_entered = |m: usize| self.brains.as_ref().is_none_or(|brains| brains.has_entered(m));
-        if saved.ids.iter().enumerate().any(|(m, id)| id.is_some() != has_entered(m)) {
-            return Err(refused_snapshot(KIND.what, "somebody is there who has not entered"));
-        }
+        let is_same = saved.ids.iter().enumerate().all(|(m, id)| id.is_some() == has_entered(m));
+        check_snapshot(is_same, KIND.what, "somebody is there who has not entered")?;
         for (own, troops) in self.followers.iter_mut().zip(&saved.followers) {
             own.load(troops, &saved.ids, &saved.shown)?;
         }

@@ -7,6 +7,7 @@ use crate::scene::{CarryStyle, ThingConfig};
 use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+use throng_base::error::ensure;
 use throng_base::maths;
 use throng_core::blend::{ActivityId, ActivitySet};
 use throng_core::body::ArmLayer;
@@ -274,9 +275,7 @@ impl Things {
         if let Some(best) = reaching.min_by(|a, b| height(&a.0).total_cmp(&height(&b.0))) {
             return Ok(best);
         }
-        if fits.count() > 0 {
-            return Err(StanceError::OutOfReach);
-        }
+        ensure(fits.count() == 0, || StanceError::OutOfReach)?;
         let side = [1, 0].into_iter().find(|side| has_hand(*side)).ok_or(StanceError::NoHand)?;
         Ok((Grasp { side, ..Grasp::default() }, 0.9 * BODILESS_REACH_M))
     }
@@ -454,9 +453,7 @@ impl Things {
     pub fn check(&self, all: &[ThingState], handled: &HandlingCounts, num_agents: usize) -> Result<(), &'static str> {
         let is_short = |value: &f32| value.abs() <= MOST_S;
         let counts = [handled.taken, handled.put, handled.missed];
-        if !counts.iter().chain(&handled.off).all(|n| *n < u32::MAX / 128) {
-            return Err("hands have done more than can be");
-        }
+        ensure(counts.iter().chain(&handled.off).all(|n| *n < u32::MAX / 128), || "hands have done more than can be")?;
         let is_unit = |q: &[f32; 4]| (Quat::from_array(*q).length() - 1.0).abs() < 1e-3;
         let is_good = |(n, t): (usize, &ThingState)| {
             let agents = [t.keeper, t.handling.map(|h| h.0)];

@@ -1,6 +1,6 @@
 //! Bodies that follow agents of a crowd.
 
-use crate::motion_kind::{PART, refused_snapshot, saved_bytes};
+use crate::motion_kind::{PART, check_snapshot, refused_snapshot, saved_bytes};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
@@ -183,16 +183,13 @@ impl Troop {
         let SavedTroop { controls, still, walkers } = saved;
         let mut pairs = self.agents.iter().zip(controls);
         let is_finite = |s: &StandingOffset| s.off.is_finite() && s.at.is_none_or(Vec2::is_finite);
-        if still.len() != controls.len() || !still.iter().all(is_finite) {
-            return Err(refused_snapshot("bodies", "they stand where none can"));
-        }
+        let may_stand = still.len() == controls.len() && still.iter().all(is_finite);
+        check_snapshot(may_stand, "bodies", "they stand where none can")?;
         if controls.len() != self.agents.len() || !pairs.all(|(&id, c)| self.walkers.check_order(id, c).is_ok()) {
             return Err(refused_snapshot("bodies", "their controls are impossible"));
         }
         self.walkers.load(&walkers.0)?;
-        if self.walkers.len() != self.agents.len() {
-            return Err(refused_snapshot("bodies", "they are others"));
-        }
+        check_snapshot(self.walkers.len() == self.agents.len(), "bodies", "they are others")?;
         // The vector keeps its capacity.
         self.controls.clone_from(controls);
         self.still.clone_from(still);

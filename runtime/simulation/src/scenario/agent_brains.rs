@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use throng_base::Result;
+use throng_base::error::ensure;
 
 /// Bit for meetings among those that agents sense of each other.
 const MEETINGS: u32 = 1 << 31;
@@ -228,9 +229,7 @@ impl AgentBrains {
                 break;
             }
             rounds += 1;
-            if rounds > MOST_ROUNDS {
-                return Err(self.event_circle_error());
-            }
+            ensure(rounds <= MOST_ROUNDS, || self.event_circle_error())?;
         }
         for i in 0..self.touched.len() {
             let agent = self.touched[i];

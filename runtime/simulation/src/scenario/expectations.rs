@@ -185,9 +185,8 @@ impl ExpectationMeter {
 
     fn observe<S: ScenarioStage>(&mut self, view: &BrainsView<'_, S>, n: usize, config: &ExpectConfig) {
         let table = &view.brains.scenario.expectations[n];
-        for brain in &view.brains.engagements[self.agents.len()..] {
-            self.agents.push(AgentMeter { entries: brain.entries, served: brain.served, ..UNSEEN });
-        }
+        let new = view.brains.engagements[self.agents.len()..].iter();
+        self.agents.extend(new.map(|own| AgentMeter { entries: own.entries, served: own.served, ..UNSEEN }));
         let first = table.programs.first().copied().unwrap_or_default();
         for a in 0..self.agents.len() as u32 {
             let (own, entries) = (self.agents[a as usize], view.brains.engagements[a as usize].entries);

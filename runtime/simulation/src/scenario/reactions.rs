@@ -6,6 +6,7 @@ use super::happenings::RETRY_S;
 use super::stage::ScenarioStage;
 use super::tables::{EdgeTable, NONE, trigger};
 use super::turns::TurnKind;
+use throng_base::error::ensure;
 use throng_base::{Error, Result};
 
 /// Most stimuli of one agent at one time; more are taken to run in a circle.
@@ -44,9 +45,7 @@ impl AgentBrains {
             (brain.handled_at, brain.handled) = (self.now, 0);
         }
         brain.handled += 1;
-        if brain.handled > MOST_AT_ONCE {
-            return Err(self.circle_error(stimulus.on.agent, stimulus.trigger));
-        }
+        ensure(brain.handled <= MOST_AT_ONCE, || self.circle_error(stimulus.on.agent, stimulus.trigger))?;
         self.record_sensed(stimulus);
         if self.follow_rule(stage, stimulus)? {
             return Ok(());

@@ -210,12 +210,8 @@ impl AgentBrains {
     /// Number of agents that stand in the line of a place, or move up in it.
     fn num_in_line(&self, place: u16) -> u32 {
         let [first, last] = self.scenario.places[usize::from(place)].slots;
-        (first..last).filter(|slot| self.stands_in_line(self.holders[*slot as usize])).count() as u32
-    }
-
-    /// True for an agent that has come to its place in a line.
-    fn stands_in_line(&self, agent: u32) -> bool {
-        self.brains.get(agent as usize).is_some_and(|brain| brain.aim == NONE)
+        let held = (first..last).filter_map(|slot| self.brains.get(self.holders[slot as usize] as usize));
+        held.filter(|brain| brain.aim == NONE).count() as u32
     }
 
     /// Line that an agent joins, or in which it stands.

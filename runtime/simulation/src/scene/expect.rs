@@ -16,16 +16,12 @@ pub struct ExpectConfig {
     #[serde(default)]
     pub who: Vec<String>,
     /// Range of times in which it is measured; the whole run where absent (s).
-    #[serde(default)]
     pub between_s: Option<[f64; 2]>,
     /// Statistic of all that was measured; each quantity has one of its own where absent.
-    #[serde(default)]
     pub take: Option<ExpectedStatistic>,
     /// Least value of the statistic.
-    #[serde(default)]
     pub least: Option<f64>,
     /// Greatest value of the statistic.
-    #[serde(default)]
     pub most: Option<f64>,
 }
 

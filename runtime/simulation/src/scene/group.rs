@@ -21,18 +21,14 @@ pub struct GroupConfig {
     /// Number of characters (1 to 1000000); even for sparring.
     pub count: usize,
     /// Bundle of this group, in place of the scene's.
-    #[serde(default)]
     pub bundle: Option<PathBuf>,
     /// Config that this bundle is built from where it is missing.
-    #[serde(default)]
     pub config: Option<PathBuf>,
     /// Start of the group. Needed by all that have a goal; a `grid` for sparring and struck targets; patches scatter by themselves.
-    #[serde(default)]
     pub place: Option<PlaceConfig>,
 
     /// Goal of agents, of characters with policies, and of those in worlds: there a `point`, `place` or `area` where they stay, or
     /// `wander` between places.
-    #[serde(default)]
     pub goal: Option<GoalConfig>,
     /// Subgoals that all pass before their goal, in order (m).
     #[serde(default)]
@@ -54,27 +50,23 @@ pub struct GroupConfig {
     pub acceleration_mps2: [f32; 2],
 
     /// Name of the social graph of agents, in place of a goal.
-    #[serde(default)]
     pub graph: Option<String>,
     /// Least and largest size of small groups in which agents walk together (1 to 4).
     #[serde(default = "alone")]
     pub companions: [usize; 2],
     /// Entry of agents while time runs.
-    #[serde(default)]
     pub source: Option<SourceConfig>,
 
     /// Blend spaces of the bundle, for `blend`; characters take them in turn (1 to 64).
     #[serde(default)]
     pub spaces: Vec<String>,
     /// Random curved paths in place of a goal, for `blend`; characters on them avoid nobody.
-    #[serde(default)]
     pub paths: Option<PathsConfig>,
     /// Value of the first style axis by speed, for `blend`, as (speed, value) that ascend by speed; between them it
     /// changes linearly. Speeds are those of the database skeleton: a smaller body runs sooner. 0 where empty (m/s).
     #[serde(default)]
     pub style_by_speed: Vec<[f32; 2]>,
     /// Sizes and proportions of bodies, for `blend`. Where absent, sizes are 0.9 to 1.05 with a goal and 0.7 to 1.15 on paths.
-    #[serde(default)]
     pub bodies: Option<BodiesConfig>,
 
     /// Behaviours that characters weigh against each other, for `policy` and `sparring`, each once (1 to 4); "approach" where a group
@@ -90,17 +82,14 @@ pub struct GroupConfig {
     pub temperature: f64,
     /// Least force of blows to head and trunk that make the struck character step away, for `sparring`, relative to the strongest of
     /// their kind; 0.95 by default, above 1 no blow does (0 to 10).
-    #[serde(default)]
     pub stagger_force: Option<f64>,
     /// Target that each character strikes at, for `policy` without a goal.
     #[serde(default)]
     pub target: StruckTargetConfig,
 
     /// Stitched world in place of the environment's, for `patches`.
-    #[serde(default)]
     pub world: Option<PathBuf>,
     /// World file (TOML) that this world is stitched from where it is missing or older, for `patches`.
-    #[serde(default)]
     pub world_config: Option<PathBuf>,
     /// Goals that are drawn one after the other by their shares, for `patches`; roaming where empty.
     #[serde(default)]
@@ -298,7 +287,6 @@ pub enum InhabitantGoalConfig {
     /// Go to a place drawn at random within a box of the world; anywhere where it is absent.
     Visit {
         /// Lowest and highest x and z of the places: [x, z, x, z] (m).
-        #[serde(default)]
         within: Option<[f64; 4]>,
     },
     /// Go to where something can be done that the motion is tagged with, and do it.
@@ -309,7 +297,6 @@ pub enum InhabitantGoalConfig {
         seconds: [f64; 2],
         /// Partner, where two do it together: `partner` for any character with the same goal, or the name of a group.
         /// The character roams until it has found a partner, and then both come together.
-        #[serde(default)]
         with: Option<String>,
     },
 }

@@ -12,12 +12,10 @@ pub struct HappeningConfig {
     /// Time (s, 0 to 100000).
     pub time_s: f64,
     /// Region of agents that learn of it at once; all agents where absent.
-    #[serde(default)]
     pub near: Option<NearConfig>,
     /// Goal of agents that know of it.
     pub goal: GoalConfig,
     /// Desired speed of these agents from then on; as before where absent (m/s, 0 to 100).
-    #[serde(default)]
     pub speed_mps: Option<f32>,
     /// Distance from the goal at which agents have arrived (m, 0.01 to 1000).
     #[serde(default = "super::group::arrival")]

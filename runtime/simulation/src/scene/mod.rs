@@ -63,16 +63,13 @@ pub struct Scene {
     #[serde(default = "seconds")]
     pub seconds: f64,
     /// Bundle of the groups that name none of their own, relative to this file's folder.
-    #[serde(default)]
     pub bundle: Option<PathBuf>,
     /// Config that the bundle is built from where it is missing.
-    #[serde(default)]
     pub config: Option<PathBuf>,
     /// Environment: space, obstacles, doors, ground and world.
     #[serde(default)]
     pub environment: EnvironmentConfig,
     /// Level, whose borders are walls and whose places are places of the scene.
-    #[serde(default)]
     pub level: Option<SceneLevelConfig>,
     /// Settings of agents: how they avoid each other, and what they sense.
     #[serde(default)]

@@ -22,16 +22,12 @@ pub struct ObstacleConfig {
     #[serde(default = "height")]
     pub height_m: f32,
     /// Disc on the ground, ball in the air.
-    #[serde(default)]
     pub disc: Option<DiscConfig>,
     /// Moving disc or ball, which stops for no agent.
-    #[serde(default)]
     pub mover: Option<MoverConfig>,
     /// Wall along a line; in the air a rod or column.
-    #[serde(default)]
     pub wall: Option<WallConfig>,
     /// Solid polygon, on the ground only.
-    #[serde(default)]
     pub polygon: Option<PolygonConfig>,
     /// Solid box along the axes.
     #[serde(default, rename = "box")]

@@ -4,7 +4,7 @@ use super::pair::OpponentPair;
 use super::tally::BlowTally;
 use super::target::StruckTarget;
 use super::{bout, practice};
-use crate::motion_kind::refused_snapshot;
+use crate::motion_kind::check_snapshot;
 use glam::Vec3;
 use serde::{Serialize, de::DeserializeOwned};
 use throng_base::{Bytes, Result, SnapshotKind};
@@ -54,9 +54,7 @@ pub(super) fn load<S: SavedState>(kind: SnapshotKind, characters: &mut PolicyCha
     // Tried on a clone, so that nothing changes where a part is refused.
     let mut tried = characters.clone();
     tried.load(&saved.0)?;
-    if !state.is_valid(tried.ids().len()) {
-        return Err(refused_snapshot(kind.what, "it holds numbers that cannot be"));
-    }
+    check_snapshot(state.is_valid(tried.ids().len()), kind.what, "it holds numbers that cannot be")?;
     characters.load(&saved.0)?;
     Ok(state)
 }

@@ -16,6 +16,7 @@ use orders::EditHistory;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use throng_base::error::ensure;
 use throng_core::patch::LinkRecord;
 use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, UnitGeometry, UnitObject};
 use throng_precompute::run::{BuildContext, ensure_bundle};
@@ -151,9 +152,7 @@ impl WorldDocument {
     /// # Errors
     /// A message for a place or a tag that is not there.
     pub fn give_order(&mut self, character: usize, goal: Option<InhabitantGoal>) -> Result<(), String> {
-        if character >= self.run.num_characters() {
-            return Err(format!("there is no character {character}"));
-        }
+        ensure(character < self.run.num_characters(), || format!("there is no character {character}"))?;
         self.run.give_order(character, goal).map_err(|e| e.to_string())
     }
 }

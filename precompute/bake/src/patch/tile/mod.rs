@@ -22,7 +22,7 @@ use search::{BestCandidates, LinkCandidate, TileSearch};
 use source::TileSource;
 use std::f32::consts::TAU;
 use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, PairRecord, Placement};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::{BuildError, Result, ensure};
 use vocabulary::TileVocabulary;
 
 /// Shortest link of a tile with two edges. A piece of a slide takes less time than links elsewhere, and is too short
@@ -110,9 +110,7 @@ fn source_of<'a>(given: &PatchInputs<'a>, unit: &UnitObject, config: &TileConfig
             _ => {}
         }
     }
-    if clips.is_empty() {
-        return Err(refusal::missing_clips_error(unit, config));
-    }
+    ensure(!clips.is_empty(), || refusal::missing_clips_error(unit, config))?;
     Ok(TileSource::new(given.clips, given.tracks, clips, copies))
 }
 

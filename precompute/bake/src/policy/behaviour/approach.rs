@@ -7,7 +7,7 @@ use super::{BehaviourSpec, PolicyBehaviour};
 use glam::Vec2;
 use throng_core::Planar;
 use throng_core::policy::{RegionRecord, SegmentRecord};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::{BuildError, Result, ensure};
 
 /// Behaviour of moving to the target and staying there.
 ///
@@ -40,9 +40,7 @@ impl Approach {
         let c = config;
         c.check()?;
         let form = c.reward.unwrap_or(RewardForm::Integral);
-        if form == RewardForm::Sum {
-            return Err(BuildError::key("reward", "the kind `approach` has `integral` and `max`"));
-        }
+        ensure(form != RewardForm::Sum, || BuildError::key("reward", "the kind `approach` has `integral` and `max`"))?;
         let centre = match c.centre {
             CentreConfig::Root => Vec2::ZERO,
             CentreConfig::Place([x, z]) if x.abs() < 100.0 && z.abs() < 100.0 => Vec2::new(x as f32, z as f32),

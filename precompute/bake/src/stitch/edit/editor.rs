@@ -10,7 +10,7 @@ use crate::stitch::library::{Library, refusal_error};
 use crate::stitch::place::place_patches::Placer;
 use crate::stitch::report::StitchReport;
 use throng_core::patch::{PatchTables, Placement};
-use throng_motion::error::Result;
+use throng_motion::error::{Result, ensure};
 use throng_motion::progress::{Progress, Silent};
 use throng_world::WorldData;
 
@@ -168,11 +168,9 @@ impl<'a> Editor<'a> {
     }
 
     fn check_place(&self, index: usize) -> Result<()> {
-        if index < self.environment.units.len() {
-            return Ok(());
-        }
-        let why = format!("there is no place {index}, expected one below {}", self.environment.units.len());
-        Err(refusal_error(&self.environment, why, "Name a unit that is there"))
+        let num = self.environment.units.len();
+        let why = || format!("there is no place {index}, expected one below {num}");
+        ensure(index < num, || refusal_error(&self.environment, why(), "Name a unit that is there"))
     }
 }
 

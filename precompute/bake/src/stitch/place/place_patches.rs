@@ -61,7 +61,9 @@ impl<'a> Placer<'a> {
         self.check_cover(environment, &fitted)?;
         let (neighbours, first_neighbour) = self.neighbours(&index, &fitted);
         let bounds: Vec<BoundingBox> = fitted.iter().map(|f| self.instance_bounds(f)).collect();
-        let shapes: Vec<BoundingBox> = environment.units.iter().map(|u| self.pattern_bounds(u)).collect();
+        let geometries = &self.library.geometries;
+        let shape = |u: &PlacedUnit| geometries[u.unit].bounds.mapped(|p| u.placement.transform_point(p));
+        let shapes: Vec<BoundingBox> = environment.units.iter().map(shape).collect();
         let both = overlapping_pairs(&bounds, &bounds).into_iter().filter(|(i, j)| i < j);
         let mut pairs: Vec<_> = both.filter_map(|(i, j)| self.pair(&fitted, i, j)).collect();
         pairs.sort_unstable();
@@ -75,11 +77,6 @@ impl<'a> Placer<'a> {
     fn instance_bounds(&self, fitted: &FittedPatch) -> BoundingBox {
         let p = &self.patches.patches[fitted.patch as usize];
         BoundingBox { min: p.min.into(), max: p.max.into() }.mapped(|p| fitted.placement.transform_point(p))
-    }
-
-    /// Bounds of a placed unit.
-    fn pattern_bounds(&self, unit: &PlacedUnit) -> BoundingBox {
-        self.library.geometries[unit.unit].bounds.mapped(|p| unit.placement.transform_point(p))
     }
 
     /// Overlap of two instances, side a first: a tile, or of two blocks that of the lower patch; `None` for two tiles.

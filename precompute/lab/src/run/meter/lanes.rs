@@ -29,9 +29,7 @@ impl LaneMeter {
     ///
     /// - `agents`: position (m), and whether the agent goes along the corridor rather than against it.
     pub fn observe(&mut self, time_s: f64, agents: &[(Vec2, bool)]) {
-        if let Some(order) = lane_order(agents, self.along, self.width_m, self.reach_m) {
-            self.order.push((time_s, order));
-        }
+        self.order.extend(lane_order(agents, self.along, self.width_m, self.reach_m).map(|order| (time_s, order)));
     }
 
     /// Mean order over the last quarter of the samples: 0 as mixed as by chance, 1 all agents in lanes.

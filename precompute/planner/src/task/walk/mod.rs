@@ -8,6 +8,7 @@ use super::{ActorClip, ClipMismatch, Task, TaskStage};
 use gait::WalkRecording;
 use glam::DVec2;
 use stand::StandSearch;
+use throng_base::error::ensure;
 use throng_core::blend::BlendSpace;
 
 /// Time by which a limb sets out before a walk ends (s).
@@ -127,9 +128,7 @@ impl Task {
     /// - `passed`: number of places of each step that were rejected before.
     fn walk_all(&self, sources: &[ActorSource], rate_hz: f64, passed: &[usize]) -> Result<WalkedTask, WalkError> {
         let (expected, found) = (self.characters.len(), sources.len());
-        if expected != found {
-            return Err(ClipMismatch::number(expected, found).into());
-        }
+        ensure(expected == found, || ClipMismatch::number(expected, found))?;
         let known = sources.iter().find_map(|s| if let ActorSource::Clip(c) = s { Some(c.clip.rate_hz) } else { None });
         let rate_hz = known.unwrap_or(rate_hz);
         let mut gaits: Vec<Option<WalkRecording>> = Vec::new();

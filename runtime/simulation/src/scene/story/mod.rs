@@ -33,13 +33,11 @@ pub struct SiteConfig {
     #[serde(default)]
     pub once: bool,
     /// Name of the place to which its arrow points.
-    #[serde(default)]
     pub arrow: Option<String>,
     /// Slots, each a place where one agent stands, sits or looks.
     #[serde(default)]
     pub slots: Vec<SlotConfig>,
     /// Queue: slots in a row along a line, from its head.
-    #[serde(default)]
     pub queue: Option<QueueConfig>,
 }
 
@@ -60,7 +58,6 @@ pub struct SlotConfig {
     /// Position (m).
     pub at: Vec<f32>,
     /// Position that an agent there faces; the centre of the place where absent (m).
-    #[serde(default)]
     pub facing: Option<Vec<f32>>,
 }
 
@@ -163,10 +160,8 @@ pub struct RelationConfig {
     #[serde(default = "whole")]
     pub share: f32,
     /// Friendship, from -1 (enemies) to 1 (close friends).
-    #[serde(default)]
     pub friendship: Option<f32>,
     /// Curiosity, from -1 (keeps away) to 1 (drawn to it).
-    #[serde(default)]
     pub curiosity: Option<f32>,
 }
 
@@ -219,7 +214,6 @@ pub struct RuleConfig {
     #[serde(default)]
     pub who: Vec<String>,
     /// Predicate; true where absent.
-    #[serde(default)]
     pub when: Option<String>,
     /// Probability of following it (0 to 1).
     #[serde(default = "whole")]
@@ -317,7 +311,6 @@ pub struct StateConfig {
 #[serde(deny_unknown_fields)]
 pub struct EdgeConfig {
     /// State from which it leads; any state of the graph where absent.
-    #[serde(default)]
     pub from: Option<String>,
     /// State to which it leads.
     pub to: String,
@@ -325,10 +318,8 @@ pub struct EdgeConfig {
     #[serde(default = "done")]
     pub on: String,
     /// Predicate; true where absent.
-    #[serde(default)]
     pub when: Option<String>,
     /// Probability of taking it. Edges without one share what the others leave (0 to 1).
-    #[serde(default)]
     pub probability: Option<f32>,
     /// Whether an agent takes it alone; else its companions in the same state take it, too, and each waits at the end of a behaviour until all
     /// have come to it.
@@ -347,13 +338,11 @@ pub struct SourceConfig {
     /// Rates of random entries (Poisson), as (from time, per second), in order of time (s, 1/s).
     pub rates: Vec<[f64; 2]>,
     /// Time after which the rates begin again, such as 86400 for each day (s, > 0).
-    #[serde(default)]
     pub period_s: Option<f64>,
     /// Whether agents that have left enter again, as others: the source goes on for as long as fewer than `count` are there.
     #[serde(default)]
     pub reuse: bool,
     /// Place at which they enter; `place` of the group where absent.
-    #[serde(default)]
     pub place: Option<PlaceConfig>,
 }
 

@@ -21,15 +21,12 @@ pub struct ServiceConfig {
     #[serde(default)]
     pub apart: bool,
     /// Expression about `me`: of those in line, the agent with the greatest value is served first, wherever it stands.
-    #[serde(default)]
     pub priority: Option<String>,
     /// Time at a till (s).
     pub time_s: TimeDistribution,
     /// Predicate at the end of a line, which is `place`: agents for whom it is true go away.
-    #[serde(default)]
     pub balk: Option<String>,
     /// Time in line after which agents leave it (s).
-    #[serde(default)]
     pub patience_s: Option<TimeDistribution>,
 }
 
