@@ -195,9 +195,21 @@ impl WorldGraph {
         self.to_rest[self.index(node)] != NONE
     }
 
+    /// True for an instance of a narrow passage or a climb (instance < num_instances).
+    pub(crate) fn is_narrow(&self, instance: u32) -> bool {
+        self.narrow[instance as usize]
+    }
+
+    /// True for a tile that leads to no passage and no climb (instance < num_instances).
+    pub(crate) fn is_off_climbs(&self, instance: u32) -> bool {
+        self.is_tile(instance)
+            && !self.is_narrow(instance)
+            && !self.adjacencies(instance).any(|(_, a, _)| self.is_narrow(a.other))
+    }
+
     /// True where a character may rest during a path: within an instance that is no narrow passage, nor part of a climb. (the node exists)
     pub fn is_stop(&self, node: WorldNode) -> bool {
-        self.is_safe(node) && !self.narrow[node.instance as usize]
+        self.is_safe(node) && !self.is_narrow(node.instance)
     }
 
     /// True where motion with a tag begins at a node inside of an instance, and a character may stay there.

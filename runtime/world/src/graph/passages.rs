@@ -1,7 +1,8 @@
 //! Narrow passages: tiles that lead from one place to another and nowhere else; and climbs: floors of few tiles, with the
 //! stairs, ladders and slides that lead there.
 //!
-//! A character that waits in one blocks it; so none rests there, and the passage is taken as a whole.
+//! A character that waits in one blocks it; so none rests there, and each goes through the whole passage at once, alone
+//! or behind others.
 
 use super::WorldGraph;
 use throng_core::patch::NONE;

@@ -1,5 +1,6 @@
 //! Inhabitants as a character group: they enter, leave, take orders, are saved and loaded.
 
+use super::reservations::follow_nobody;
 use super::targets::check_place;
 use super::{InhabitantActivity, InhabitantGoal, InhabitantMemory, Inhabitants, schedule};
 use crate::plan::PlanTarget;
@@ -42,7 +43,7 @@ impl Inhabitants {
 
     /// Checks that all units of an instance are free.
     fn check_free(&self, graph: &WorldGraph, who: Id, c: u32, instance: u32) -> Result<()> {
-        let Some(other) = self.reservations.other_holder(graph, instance, c) else { return Ok(()) };
+        let Some(other) = self.reservations.other_holder(graph, instance, c, follow_nobody) else { return Ok(()) };
         // External obstacles have no id here.
         let by = self.roster.ids().get(other as usize).map(Id::to_string);
         Err(Error::Occupied { who, by: by.unwrap_or_else(|| "somebody who does not live in this world".into()) })
@@ -121,8 +122,7 @@ impl CharacterGroup for Inhabitants {
         self.set_target(self.world.clone().graph(), c, None);
         let (at, last) = self.roster.remove_id(id)?;
         self.num_orders = self.num_orders.wrapping_add(1);
-        self.reservations.clear_marks();
-        self.reservations.release_unmarked(at as u32);
+        self.reservations.release_all(at as u32);
         if at < last {
             self.reservations.hand_over(last as u32, at as u32);
             self.chains.copy(last, at);
@@ -153,8 +153,7 @@ impl CharacterGroup for Inhabitants {
         self.num_orders = self.num_orders.wrapping_add(1);
         let clip = self.standing_clip(graph, node).unwrap_or_default();
         self.characters.start_scheduled(world.motion_set(), c, &clip)?;
-        self.reservations.clear_marks();
-        self.reservations.release_unmarked(c as u32);
+        self.reservations.release_all(c as u32);
         self.reservations.take_units(graph.resources(node.instance), c as u32);
         let state = &mut self.states[c];
         *state = InhabitantMemory { at: node, through: [node.instance; 2], plays_pair: false, ..*state }

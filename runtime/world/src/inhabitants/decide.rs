@@ -2,10 +2,10 @@
 //!
 //! Decisions are made in the order of the characters, on one thread; they are few.
 
-use super::chains::{MAX_CHAIN, MAX_OPENED, RejoinSearch, SafetySearch};
+use super::chains::{APART_M, ChainSchedule, MAX_CHAIN, MAX_OPENED, SafetySearch};
 use super::config::{InhabitantActivity, InhabitantGoal};
 use super::purpose::Purpose;
-use super::reservations::EXTERNAL_HOLDER;
+use super::reservations::{EXTERNAL_HOLDER, follow_nobody};
 use super::{InhabitantEvent, Inhabitants, schedule};
 use crate::plan::{PlanTarget, SearchResult, SearchSpace, TOLL_TRIES};
 use crate::{World, WorldGraph, WorldStep};
@@ -20,10 +20,6 @@ const TRIES: usize = 4;
 const LEAST_LEAVE_M: f32 = 1.0;
 /// Most times that a detour doubles.
 pub(super) const MAX_IMPATIENCE: u32 = 3;
-/// Number of next steps of a path that a detour may join, and most steps of the detour.
-const MAX_REJOINED: usize = 8;
-/// Most nodes that are opened in looking for it.
-const MAX_REJOIN_OPENED: usize = 1000;
 /// Times that a character loses patience before it stays blocked: in all, and behind characters that stay.
 pub(super) const MAX_TRIES: u32 = 20;
 const MAX_TRIES_STAYING: u32 = 3;
@@ -47,12 +43,12 @@ impl Inhabitants {
             while self.characters.frames_left(c) <= frames {
                 let Some(step) = self.decide_step(graph, c) else { break };
                 let from = std::mem::replace(&mut self.states[c].at, step.to);
-                self.states[c].through = [from.instance, step.instance];
+                let left = std::mem::replace(&mut self.states[c].through, [from.instance, step.instance]);
                 self.states[c].plays_pair = graph.link(&step).is_some_and(LinkRecord::is_for_two);
                 let root = self.characters.scheduled_end(motion_set, c);
                 let Some(scheduled_clip) = schedule::scheduled_clip(world, &step, Some(root)) else { break };
                 self.characters.schedule_clip(motion_set, c, &scheduled_clip)?;
-                self.release_units(graph, c);
+                self.release_units(graph, c, left);
             }
         }
         self.time_s += f64::from(dt_s);
@@ -89,7 +85,8 @@ impl Inhabitants {
                 if partners == Some(i) {
                     return TOLL_OF_WHO_STAYS;
                 }
-                let held = reservations.other_holder(graph, i, c as u32).filter(|_| i != target.instance());
+                let held =
+                    reservations.other_holder(graph, i, c as u32, follow_nobody).filter(|_| i != target.instance());
                 let stays = match held.map(|other| states.get(other as usize)) {
                     None => return 0.0,
                     // As long as waiting for its end takes.
@@ -199,78 +196,73 @@ impl Inhabitants {
         self.rest_step(graph, c)
     }
 
-    /// Joins one of the next steps of its path, past some of them, on another path: back to a path that it left to
-    /// wait, or around units that others hold, unless it may lead through these too.
+    /// Another character that holds a unit which steps of a character need, and is not followed.
+    fn first_holder(&self, graph: &WorldGraph, c: usize, steps: &[WorldStep]) -> Option<usize> {
+        let own = self.schedule_of(graph, c, steps);
+        let holder = steps.iter().find_map(|s| {
+            let follows = |other: u32, unit| {
+                let other = self.schedule_of(graph, other as usize, self.chains.steps_of(other as usize));
+                (own.is_narrow() || other.is_narrow()) && own.follows(&other, unit, APART_M)
+            };
+            self.reservations.holder_for_step(graph, s, c as u32, follows)
+        });
+        holder.map(|h| h as usize)
+    }
+
+    /// Places of a character over time, from now to the end of a chain.
+    fn schedule_of<'a>(&self, graph: &'a WorldGraph, c: usize, chain: &'a [WorldStep]) -> ChainSchedule<'a> {
+        let (state, frames_left) = (&self.states[c], self.characters.frames_left(c));
+        ChainSchedule { graph, root: self.roots[c], frames_left, through: state.through, at: state.at, chain }
+    }
+
+    /// Number of steps that a character's path may go on by, up to where it may rest: there, or past it through a
+    /// passage. Otherwise a character that holds a unit which they need.
     ///
-    /// - returns false where there is no such path, or no short one.
-    fn rejoin_path(&mut self, graph: &WorldGraph, c: usize, past: usize, through: bool) -> bool {
-        let (start, left) = (self.states[c].at, self.paths.steps_of(c));
-        let steps = &left[past.min(left.len())..left.len().min(past + MAX_REJOINED)];
-        if steps.is_empty() {
-            return false;
-        }
-        let (reservations, character) = (&self.reservations, c as u32);
-        let mut space = RejoinSearch { graph, reservations, character, start, steps, through };
-        let nodes = &mut self.planner.nodes;
-        let SearchResult::Path(path) = nodes.search(graph, start, &mut space, MAX_REJOIN_OPENED) else { return false };
-        let mut back = [WorldStep::NONE; MAX_REJOINED];
-        let len = nodes.write_path(path, &mut back);
-        if len > MAX_REJOINED {
-            return false;
-        }
-        let end = back[..len].last().map(|s| s.to);
-        let Some(joined) = steps.iter().position(|s| Some(s.to) == end) else { return false };
-        self.paths.rejoin_path(c, start, &back[..len], past + joined);
-        true
+    /// - returns `None` where the steps are not known.
+    fn next_chain(&self, graph: &WorldGraph, c: usize) -> Option<Result<usize, usize>> {
+        let steps = self.steps_to_rest(graph, c, 0)?;
+        let Some(holder) = self.first_holder(graph, c, steps) else { return Some(Ok(steps.len())) };
+        let further = self.steps_to_rest(graph, c, steps.len());
+        Some(further.filter(|steps| self.first_holder(graph, c, steps).is_none()).map(<[_]>::len).ok_or(holder))
     }
 
-    /// Another character that holds a unit which the first steps of a character's path need.
-    fn first_holder(&self, graph: &WorldGraph, c: usize, num_steps: usize) -> Option<usize> {
-        let steps = &self.paths.steps_of(c)[..num_steps];
-        steps.iter().find_map(|s| self.reservations.holder_for_step(graph, s, c as u32)).map(|h| h as usize)
-    }
-
-    /// Steps of a character's path up to where it may come to rest; none where they are not known.
-    fn steps_to_rest(&self, graph: &WorldGraph, c: usize) -> Option<&[WorldStep]> {
+    /// Steps of a character's path up to where it may come to rest, past some of them; none where they are not known.
+    fn steps_to_rest(&self, graph: &WorldGraph, c: usize, past: usize) -> Option<&[WorldStep]> {
         let (path, target) = (self.paths.start_node(c, self.states[c].at), self.paths.target(c)?);
         // Whoever stands in a passage may also rest in it.
         let is_inside = !graph.is_stop(self.states[c].at);
         let can_stop = |node| graph.is_stop(node) || is_inside && graph.is_safe(node);
-        let last = path.iter().position(|s| can_stop(s.to) || target.is_at(graph, s.to))?;
-        // Whoever is to perform something may wait for it at the last place of rest: it leaves by what it performs.
-        let begins = |s: &WorldStep| graph.is_rest(s.to) && s.to != self.states[c].at;
-        let before = match target {
-            PlanTarget::Tag { .. } if target.is_at(graph, path[last].to) => path[..last].iter().rposition(begins),
-            _ => None,
-        };
-        let last = before.unwrap_or(last);
+        let last = past + path.get(past..)?.iter().position(|s| can_stop(s.to) || target.is_at(graph, s.to))?;
         (last < MAX_CHAIN).then(|| &path[..=last])
     }
 
     /// The next steps of the path, where what they need is free.
     fn follow_path(&mut self, graph: &WorldGraph, c: usize) -> Option<WorldStep> {
-        if self.paths.begin_node(c).is_some_and(|from| from != self.states[c].at) {
-            let _ = self.rejoin_path(graph, c, 0, false) || self.rejoin_path(graph, c, 0, true);
-        }
-        let Some(steps) = self.steps_to_rest(graph, c) else {
+        let Some(next) = self.next_chain(graph, c) else {
             if self.states[c].activity != InhabitantActivity::Blocked {
                 self.states[c].activity = InhabitantActivity::Planning;
             }
             self.paths.request_path(c);
+            self.states[c].leaves_s = Some(self.time_s);
             return None;
         };
-        let mut len = steps.len();
-        if let Some(holder) = self.first_holder(graph, c, len) {
-            if self.rejoin_path(graph, c, len, false) {
-                len = self.steps_to_rest(graph, c).map_or(0, <[WorldStep]>::len);
-            }
-            if len == 0 || self.first_holder(graph, c, len).is_some() {
+        if let Some(step) = self.climb(graph, c) {
+            return Some(step);
+        }
+        let len = match next {
+            Ok(len) => len,
+            Err(holder) => {
                 self.note_refusal(graph, c, holder);
                 return None;
             }
-        }
+        };
         self.chains.set(c, &self.paths.start_node(c, self.states[c].at)[..len]);
-        self.paths.advance(c, len);
+        self.begin_walking(graph, c, len)
+    }
+
+    /// Reserves the chain, which begins with steps of the path.
+    fn begin_walking(&mut self, graph: &WorldGraph, c: usize, num_steps: usize) -> Option<WorldStep> {
+        self.paths.advance(c, num_steps);
         let state = &mut self.states[c];
         state.activity = InhabitantActivity::Walking;
         state.refused_s = None;
@@ -279,6 +271,51 @@ impl Inhabitants {
             (state.progress, state.impatience) = (0, state.impatience.saturating_sub(1));
         }
         self.reserve_chain(graph, c)
+    }
+
+    /// The rest of the path where it leads through a climb to an action, the action, and further steps until the
+    /// character can come to rest off all climbs: nobody who follows has to wait for it.
+    fn climb(&mut self, graph: &WorldGraph, c: usize) -> Option<WorldStep> {
+        let (at, target) = (self.states[c].at, self.paths.target(c)?);
+        let PlanTarget::Tag { tag, .. } = target else { return None };
+        let path = self.paths.start_node(c, at);
+        let len = 1 + path.iter().take(MAX_CHAIN / 2).position(|s| target.is_at(graph, s.to))?;
+        let num_stops = path[..len].iter().filter(|s| graph.is_stop(s.to)).count();
+        let from = path[len - 1].to;
+        if num_stops > 1 || graph.is_stop(from) {
+            return None;
+        }
+        let mut shown = None;
+        graph
+            .for_each_step(from, |s| shown = shown.or(Some(s).filter(|s| graph.link(s).is_some_and(|l| l.tag == tag))));
+        self.chains.set(c, &path[..len]);
+        let (character, seed, draw) = (c as u32, self.config.characters.seed, self.states[c].draws);
+        let mut space = SafetySearch {
+            graph,
+            reservations: &self.reservations,
+            character,
+            seed,
+            draw,
+            bound: None,
+            is_inside: false,
+            off_climbs: true,
+        };
+        let nodes = &mut self.planner.nodes;
+        let is_safe = shown.is_some_and(|step| {
+            let room = self.chains.extend_chain_by(c, step);
+            match nodes.search(graph, step.to, &mut space, MAX_OPENED) {
+                SearchResult::Path(path) if nodes.cost(path) < f32::INFINITY => {
+                    let num_steps = nodes.write_path(path, room);
+                    self.chains.extend_chain(c, len + num_steps)
+                }
+                _ => false,
+            }
+        });
+        if !is_safe || self.first_holder(graph, c, self.chains.steps_of(c)).is_some() {
+            self.chains.set(c, &[]);
+            return None;
+        }
+        self.begin_walking(graph, c, len)
     }
 
     /// Notes that another character holds a unit that is needed.
@@ -360,8 +397,7 @@ impl Inhabitants {
 
     /// Character that holds a unit which the next steps of a character's path need.
     pub(super) fn holder_in_way(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
-        let stretch = self.steps_to_rest(graph, c)?.len();
-        self.first_holder(graph, c, stretch)
+        self.next_chain(graph, c)?.err()
     }
 
     /// Resets patience, as nothing blocks the character any more.
@@ -412,7 +448,7 @@ impl Inhabitants {
         let (mut chosen, mut sum) = (None, 0.0);
         graph.for_each_step(self.states[c].at, |step| {
             let share = share(&step);
-            if share > 0.0 && self.reservations.holder_for_step(graph, &step, c as u32).is_none() {
+            if share > 0.0 && self.reservations.holder_for_step(graph, &step, c as u32, follow_nobody).is_none() {
                 sum += share;
                 draws = draws.wrapping_add(1);
                 if uniform_random(seed, name, draws.into()) * sum < share {
@@ -438,8 +474,9 @@ impl Inhabitants {
         let start = graph.place(self.states[c].at);
         let bound = purpose.map(|(p, least_m)| (p, [start.x, start.z], least_m));
         let is_inside = purpose.is_none() && !graph.is_stop(self.states[c].at);
+        let reservations = &self.reservations;
         let mut space =
-            SafetySearch { graph, reservations: &self.reservations, character, seed, draw, bound, is_inside };
+            SafetySearch { graph, reservations, character, seed, draw, bound, is_inside, off_climbs: false };
         let (nodes, mut len) = (&mut self.planner.nodes, 0);
         let room = self.chains.begin_chain(c, step);
         let mut is_safe = space.is_target(step.to);
@@ -456,6 +493,7 @@ impl Inhabitants {
 
     /// Takes the units that the chain needs, and returns its first step.
     fn reserve_chain(&mut self, graph: &WorldGraph, c: usize) -> Option<WorldStep> {
+        self.states[c].reserved_s = self.time_s;
         for step in self.chains.steps_of(c) {
             if graph.link(step).is_some() {
                 self.reservations.take_units(graph.resources(step.instance), c as u32);
@@ -465,14 +503,16 @@ impl Inhabitants {
         self.chains.pop(c)
     }
 
-    /// Releases units that neither the present step nor those after it need.
-    fn release_units(&mut self, graph: &WorldGraph, c: usize) {
-        self.reservations.clear_marks();
-        let reservations = &mut self.reservations;
-        self.states[c].visit_needed_instances(graph, self.chains.steps_of(c), |instance| {
-            reservations.mark_units(graph.resources(instance))
-        });
-        reservations.release_unmarked(c as u32);
+    /// Releases units of instances that are left, unless the present step or those after it need them.
+    fn release_units(&mut self, graph: &WorldGraph, c: usize, left: [u32; 2]) {
+        let (state, chain) = (&self.states[c], self.chains.steps_of(c));
+        for unit in left.into_iter().flat_map(|instance| graph.resources(instance)) {
+            let mut is_needed = false;
+            state.visit_needed_instances(graph, chain, |i| is_needed |= graph.resources(i).contains(unit));
+            if !is_needed {
+                self.reservations.release_unit(*unit, c as u32);
+            }
+        }
     }
 
     /// A random number of a character, in [0, 1).

@@ -44,6 +44,8 @@ struct InhabitantMemory {
     at: WorldNode,
     /// Instances that its motion leads through: the one where it began, and the one whose link it plays.
     through: [u32; 2],
+    /// Time at which it reserved its chain (s).
+    reserved_s: f64,
     goal: InhabitantGoal,
     activity: InhabitantActivity,
     num_fulfilled: u32,
@@ -112,9 +114,10 @@ impl InhabitantMemory {
     /// Replaces the goal, which it has not begun to pursue.
     fn with_goal(self, goal: InhabitantGoal) -> Self {
         let activity = if goal.is_roaming() { InhabitantActivity::Roaming } else { InhabitantActivity::Planning };
-        let Self { at, through, num_fulfilled, draws, purpose, progress, plays_pair, parted, leaves_s, .. } = self;
+        let Self { at, through, reserved_s, num_fulfilled, draws, purpose, progress, .. } = self;
+        let Self { plays_pair, parted, leaves_s, .. } = self;
         let new = Self { goal, activity, through, num_fulfilled, draws, purpose, progress, ..Self::resting_at(at) };
-        Self { plays_pair, parted, leaves_s, ..new }
+        Self { reserved_s, plays_pair, parted, leaves_s, ..new }
     }
 }
 
@@ -122,7 +125,8 @@ impl InhabitantMemory {
 /// [`Inhabitants::new`], except for saving and loading.
 ///
 /// Each holds the units of the instance it is in, and takes all units that it needs up to the next node from which a
-/// rest cell can be reached without more. Others keep out of them. A character refused a reservation rests within the
+/// rest cell can be reached without more. Others keep out of them, except in passages and climbs: there they may follow
+/// at a distance at which bodies do not touch, where both are sure to leave the units. A character refused a reservation rests within the
 /// units it holds, tries again, and after a while makes a random detour, longer each time. If its place is taken by one
 /// that stays, it waits, and moves out of the way of others, until the place is free or it gets another order.
 ///
@@ -187,7 +191,7 @@ impl Inhabitants {
             states: Vec::with_capacity(capacity),
             chains: Chains::new(capacity),
             paths: InhabitantPaths::new(capacity, config.max_path),
-            reservations: UnitReservations::new(graph, capacity),
+            reservations: UnitReservations::new(graph),
             grounds: None,
             planner: WorldPlanner::new(graph),
             offers: offers::offers_by_tag(graph),
@@ -283,12 +287,12 @@ impl Inhabitants {
         Ok(self.paths.last_plan(self.roster.row(id)?))
     }
 
-    /// Holder of a unit (unit < number of units).
+    /// Holder of a unit: of those that follow each other, the one that reserved it first (unit < number of units).
     pub fn holder(&self, unit: u32) -> Option<Id> {
         self.reservations.holder_of(unit).map(|c| self.roster.ids()[c as usize])
     }
 
-    /// Units that a character holds.
+    /// Units that a character holds; not those in which it follows another one.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].

@@ -6,6 +6,7 @@
 //! other as they were captured. A character that gets another goal leaves as soon as both its feet stand near to a
 //! place of rest.
 
+use super::reservations::follow_nobody;
 use super::snapshot::is_time;
 use super::{InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants};
 use crate::plan::{PlanTarget, WorldPlanner};
@@ -237,12 +238,6 @@ impl Inhabitants {
     fn nearest_pair_offer(&mut self, rows: [usize; 2], tag: u16) -> Option<(u32, bool, f32)> {
         let world = self.world.clone();
         let graph = world.graph();
-        self.reservations.clear_marks();
-        for c in (0..self.states.len()).filter(|c| !rows.contains(c)) {
-            if let Some(target) = self.paths.target(c) {
-                self.reservations.mark_units(graph.resources(target.instance()));
-            }
-        }
         let ends = rows.map(|c| self.end_node(c));
         let here = ends.map(|node| graph.place(node).translation());
         let (mut tried, mut num_tried) = ([(NONE, false); MOST_TRIED], 0);
@@ -254,9 +249,9 @@ impl Inhabitants {
                     let node = |row: usize| offer.starts[row ^ usize::from(flipped)];
                     let far = |row: usize| {
                         let instance = node(row).instance;
-                        let held = self.reservations.other_holder(graph, instance, rows[row] as u32);
+                        let held = self.reservations.other_holder(graph, instance, rows[row] as u32, follow_nobody);
                         let is_taken = held.is_some_and(|c| c as usize != rows[1 - row]);
-                        let is_wanted = self.reservations.is_any_marked(graph.resources(instance));
+                        let is_wanted = self.num_bound_for(graph, rows[row], instance) > 0;
                         let away = graph.place(node(row)).translation().distance(here[row]);
                         if is_taken || is_wanted { away + TAKEN_M } else { away }
                     };

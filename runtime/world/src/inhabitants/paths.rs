@@ -79,26 +79,6 @@ impl InhabitantPaths {
         p.from = Some(self.steps[character * self.max_path + p.next - 1].to);
     }
 
-    /// Lets a path begin at another node, with other steps to the end of its step `joined` (of those left). Its last
-    /// steps are dropped where they do not fit.
-    pub fn rejoin_path(&mut self, character: usize, from: WorldNode, path: &[WorldStep], joined: usize) {
-        let p = &mut self.paths[character];
-        let steps = &mut self.steps[character * self.max_path..][..self.max_path];
-        let rest = p.next + joined + 1..p.end;
-        let at = rest.start.saturating_sub(path.len());
-        let room = self.max_path - at - path.len();
-        let kept = rest.start..rest.end.min(rest.start + room);
-        let end = at + path.len() + kept.len();
-        steps.copy_within(kept, at + path.len());
-        steps[at..at + path.len()].copy_from_slice(path);
-        (p.from, p.next, p.end) = (Some(from), at, end);
-    }
-
-    /// Node that the next step of a path begins at.
-    pub fn begin_node(&self, character: usize) -> Option<WorldNode> {
-        self.paths[character].from
-    }
-
     /// Replaces the target of a character, whose path is forgotten.
     pub fn set_target(&mut self, character: usize, target: Option<PlanTarget>) {
         let p = &mut self.paths[character];

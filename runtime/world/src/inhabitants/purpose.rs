@@ -1,6 +1,7 @@
 //! Purpose of roaming characters: one direction for as long as possible, so that they walk on and not in circles.
 
 use super::Inhabitants;
+use super::reservations::follow_nobody;
 use crate::{WorldGraph, WorldStep};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
@@ -70,7 +71,7 @@ impl Inhabitants {
         let (mut ahead, mut drawn, mut count) = (-1.0f32, None, 0.0);
         graph.for_each_step(state.at, |step| {
             let Some(direction) = direction(graph, [place.x, place.z], &step) else { return };
-            if self.reservations.holder_for_step(graph, &step, c as u32).is_none() {
+            if self.reservations.holder_for_step(graph, &step, c as u32, follow_nobody).is_none() {
                 count += 1.0;
                 draws = draws.wrapping_add(1);
                 if uniform_random(seed, name, draws.into()) * count < 1.0 {

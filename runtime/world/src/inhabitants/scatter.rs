@@ -15,7 +15,7 @@ pub fn scatter_rest_nodes(graph: &WorldGraph, n: usize, seed: u64) -> Vec<WorldN
         let other = (uniform_random(seed, 0, i as u64) * (i + 1) as f32) as usize;
         order.swap(i, other.min(i));
     }
-    let mut reservations = UnitReservations::new(graph, 1);
+    let mut reservations = UnitReservations::new(graph);
     let mut out = Vec::with_capacity(n.min(order.len()));
     for instance in order {
         if out.len() == n {

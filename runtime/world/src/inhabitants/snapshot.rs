@@ -1,6 +1,6 @@
 //! Saves the state of inhabitants and goes back to it.
 
-use super::chains::MAX_CHAIN;
+use super::chains::{APART_M, ChainSchedule, MAX_CHAIN};
 use super::decide::{CALM_AFTER, MAX_IMPATIENCE, MAX_TRIES};
 use super::paths::SavedPaths;
 use super::reservations::UnitReservations;
@@ -23,6 +23,8 @@ type SavedInhabitants = (
 
 /// A character's motion ends this far from its node at most: more is a sign of damage (m).
 const ASTRAY_M: f32 = 1.0;
+/// Least distance of two that follow each other, which are compared at other times than when they began (m).
+const APART_RESTORED_M: f32 = 0.8 * APART_M;
 /// Times are below this (s).
 const LATEST_S: f64 = 1e12;
 
@@ -51,7 +53,7 @@ impl Inhabitants {
         let mut setup = Hash128::default();
         setup.add_bytes(&self.world.hash().to_le_bytes());
         setup.add_bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
-        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 12, setup: setup.finish() }
+        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 13, setup: setup.finish() }
     }
 
     /// Restores a state of unknown origin, or changes nothing and says what does not fit.
@@ -59,7 +61,7 @@ impl Inhabitants {
         let ((time_s, num_orders), roster, (characters, orders), states, chains, paths) = saved;
         let (world, n) = (self.world.clone(), roster.ids().len());
         let graph = world.graph();
-        let (mut bodies, mut held) = (self.characters.clone(), UnitReservations::new(graph, self.capacity()));
+        let (mut bodies, mut held) = (self.characters.clone(), UnitReservations::new(graph));
         let mut new_roster = self.roster.clone();
         let (mut new_chains, mut new_paths) = (self.chains.clone(), self.paths.clone());
         let check = |good: bool, what| if good { Ok(()) } else { Err(what) };
@@ -84,11 +86,19 @@ impl Inhabitants {
             let has_target = paths.0.get(c).is_some_and(|p| p.target.is_some());
             check(state.goal.is_roaming() != has_target, "a goal has no target")?;
             new_chains.set(c, chain);
-            let mut are_free = true;
-            state.visit_needed_instances(graph, chain, |instance| {
-                let units = graph.resources(instance);
-                are_free &= held.other_holder_of(units, c as u32).is_none();
-                held.take_units(units, c as u32);
+        }
+        let schedule = |c: usize| {
+            let (root, frames_left, state) = (bodies.root(c), bodies.frames_left(c), &states[c]);
+            ChainSchedule { graph, root, frames_left, through: state.through, at: state.at, chain: &chains[c] }
+        };
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&a, &b| states[a].reserved_s.total_cmp(&states[b].reserved_s));
+        for c in order {
+            let (mut are_free, own) = (true, schedule(c));
+            states[c].visit_needed_instances(graph, &chains[c], |instance| {
+                let follows = |other, unit| own.follows(&schedule(other as usize), unit, APART_RESTORED_M);
+                are_free &= held.other_holder(graph, instance, c as u32, follows).is_none();
+                held.take_units(graph.resources(instance), c as u32);
             });
             check(are_free, "two hold the same unit")?;
         }
@@ -112,6 +122,7 @@ fn is_sound(graph: &WorldGraph, state: &InhabitantMemory) -> bool {
         && state.progress <= CALM_AFTER
         && state.tries.iter().all(|t| *t <= 2 * MAX_TRIES)
         && is_time(state.until_s)
+        && is_time(state.reserved_s)
         && state.leaves_s.is_none_or(is_time)
         && state.purpose.is_sound()
         && state.refused_s.is_none_or(is_time)

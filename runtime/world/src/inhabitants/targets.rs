@@ -1,6 +1,6 @@
 //! Targets of goals: places that exist and are free.
 
-use super::reservations::EXTERNAL_HOLDER;
+use super::reservations::{EXTERNAL_HOLDER, follow_nobody};
 use super::{InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants};
 use crate::plan::PlanTarget;
 use crate::{WorldGraph, WorldNode};
@@ -110,7 +110,7 @@ impl Inhabitants {
     /// Character that stays where another one is to go and stay.
     pub(super) fn occupant_of(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
         let target = self.paths.target(c).filter(|t| !matches!(t, PlanTarget::Tag { .. }))?;
-        let other = self.reservations.other_holder(graph, target.instance(), c as u32)?;
+        let other = self.reservations.other_holder(graph, target.instance(), c as u32, follow_nobody)?;
         (other != EXTERNAL_HOLDER && self.has_come_to_stay(other as usize)).then_some(other as usize)
     }
 
