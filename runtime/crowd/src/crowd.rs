@@ -198,6 +198,11 @@ impl Crowd {
         each!(&mut self.engine, e => e.set_open(obstacle, open))
     }
 
+    /// Senses of an agent, and the time at which it got them; before the start where it has got none (s).
+    pub fn senses(&self, id: Id) -> (Sense, f64) {
+        each!(&self.engine, e => (e.sensors.states[id.index()].sense, e.sensors.states[id.index()].changed.0))
+    }
+
     /// True where a straight line keeps a clearance from all obstacles that paths lead round, and from closed doors or from all
     /// doors (m).
     pub fn sees(&self, from: Vec3, to: Vec3, clearance_m: f32, through_doors: bool) -> bool {

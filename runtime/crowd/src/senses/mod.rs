@@ -42,8 +42,7 @@ pub struct Sense {
     pub sends: u32,
     /// Channels on which it hears.
     pub receives: u32,
-    /// Channels among [`Sense::receives`] on which only an approach counts. On the others, a near agent is met at once
-    /// when either begins to send or to receive.
+    /// Channels on which only an approach counts. On the others, the agent meets those that are near at once when it gets these senses.
     pub once: u32,
     /// True where it senses zones.
     pub zones: bool,
@@ -54,10 +53,10 @@ pub struct Sense {
 }
 
 impl Sense {
-    /// Channels on which one of two hears the other: on any, and on those where being near is enough.
+    /// Channels on which one of two hears the other: on any, and on those where being near is enough once its own senses change.
     pub(crate) fn channels(&self, other: &Self) -> (u32, u32) {
         let (there, back) = (self.sends & other.receives, other.sends & self.receives);
-        (there | back, there & !other.once | back & !self.once)
+        (there | back, (there | back) & !self.once)
     }
 }
 

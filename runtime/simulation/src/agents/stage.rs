@@ -338,9 +338,12 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
 
     fn set_senses(&mut self, agent: u32, sends: u32, receives: u32) -> Result<()> {
         let Some(id) = self.present_id(agent) else { return Ok(()) };
-        // Meetings count when two come near; news pass wherever two are.
+        // Meetings count when two come near, or one of them begins there; news pass wherever two are.
+        let (before, since) = self.crowd.senses(id);
+        let begins = before == Sense::default() || before.once == 0 && since == self.crowd.time_s();
+        let once = if begins { 0 } else { 1 << 31 };
         let (zones, cells) = (self.layout.senses_zones, self.layout.senses_cells);
-        let sense = Sense { sends, receives, once: 1 << 31, zones, cells, arrivals: true };
+        let sense = Sense { sends, receives, once, zones, cells, arrivals: true };
         self.crowd.set_senses(id, sense).map_err(|e| self.layout.explain_crowd_error(&e))
     }
 
