@@ -36,6 +36,8 @@ const MOST_SEEN: usize = 24;
 const STEER_S: f64 = 0.1;
 /// Distance from a place at a corner within which a body goes on to the next one (m).
 const REACHED_M: f32 = 0.3;
+/// Distance from its aim at which a body may stop (m).
+const STOPS_M: f32 = 0.6;
 /// Room that is kept from walls, beside the radius: a step that turns aside needs it; not in passages and before them (m).
 const WALL_ROOM_M: f32 = 0.2;
 /// Room that captured people need beside them in a passage, beyond the radius (m).
@@ -342,7 +344,7 @@ impl Navigation {
         let leg = cursor.leg;
         let again = match &level {
             Some(level) => path.advance_cursor(cursor, |leg| level.is_at(number, path, leg, body)),
-            None => path.pass_subgoals(cursor, position),
+            None => path.pass_subgoals_within(cursor, position, STOPS_M),
         };
         let is_on_floor = level.as_ref().is_none_or(|level| level.is_at(number, path, cursor.leg, body));
         let has_arrived = path.has_arrived(cursor, position) && is_on_floor;

@@ -182,6 +182,14 @@ impl<V: Space> RoutePath<V> {
         self.advance_cursor(cursor, |leg| self.legs[leg as usize].is_passed(x, self.route.arrival_radius))
     }
 
+    /// As [`RoutePath::pass_subgoals`], for a body that may stop within a distance of its aim beside the end of a round (m).
+    pub fn pass_subgoals_within(&self, cursor: &mut RouteCursor<V>, x: V, near_m: f32) -> bool {
+        let is_at_end = cursor.rest == 0.0 && (cursor.aim - x).length() <= near_m;
+        let end = (is_at_end && cursor.leg as usize + 1 == self.legs.len()).then_some(cursor.leg);
+        let arrival = self.route.arrival_radius;
+        self.advance_cursor(cursor, |leg| self.legs[leg as usize].is_passed(x, arrival) || end == Some(leg))
+    }
+
     /// Advances to the next subgoals as long as one is passed; true where it began again.
     pub fn advance_cursor(&self, cursor: &mut RouteCursor<V>, is_passed: impl Fn(u32) -> bool) -> bool {
         let mut again = false;

@@ -5,6 +5,7 @@ pub(crate) mod drive;
 mod forged;
 mod interface;
 mod jams;
+mod navigation;
 mod passages;
 mod relationships;
 mod schemes;
