@@ -294,7 +294,8 @@ impl ExpectationMeter {
                 let joined = view.brains.engagements[a as usize].joined;
                 let lines = &view.brains.scenario.services[usize::from(table.number)].lines;
                 let slot = view.brains.scenario.slots.get(brain.slot as usize);
-                if slot.is_some_and(|slot| lines.contains(&slot.place)) && joined.is_finite() {
+                let waits = slot.is_some_and(|slot| lines.contains(&slot.place)) && joined.is_finite();
+                if waits && table.who >> brain.group & 1 == 1 {
                     self.add(view, config, a, view.agents.now - joined);
                 }
             }
@@ -332,7 +333,11 @@ impl ExpectationMeter {
             own.slot = slot;
             let Some((since, last)) = left else { continue };
             *own = AgentMeter { entries: own.entries, ..UNSEEN };
-            if last != head {
+            // A till may call an agent from behind others.
+            let is_called = slots
+                .get(brain.slot as usize)
+                .is_some_and(|s| !view.brains.scenario.places[usize::from(s.place)].is_queue);
+            if last != head && !is_called {
                 // It gave up.
                 continue;
             }
