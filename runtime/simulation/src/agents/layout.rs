@@ -1,5 +1,6 @@
 //! Layout of a scene's agents for the crowd: their starts, paths and goals.
 
+use super::message::NO_PATH_HELP;
 use super::places::start_positions;
 use super::route_map::RouteMap;
 use crate::scenario::{Scenario, hashed_chance};
@@ -176,6 +177,24 @@ impl<V: Space> CrowdLayout<V> {
             {
                 let why = "obstacles leave no room for an agent to enter; move the `place`, or make it larger";
                 return Err(self.scene.fault(&format!("groups[{g}].source"), why));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that some agent can go to each slot of a place, and to each goal of an action.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Text`] with the key of the place or of the action.
+    pub(super) fn check_goals(&self, scenario: &Scenario) -> Result<()> {
+        for (key, at) in scenario.goals.iter().filter(|_| self.map.streets.is_some()) {
+            let firsts = (0..self.num_agents()).filter(|&m| m == 0 || self.groups[m - 1] != self.groups[m]);
+            let mut whys = firsts.map(|m| {
+                let (from, to) = (self.setup.agents[m].position, V::from_world(*at));
+                self.map.shortest_path(from, to).err().map(|why| self.no_path_message(m, why, from, to))
+            });
+            if let Some(Some(why)) = whys.next().map(|first| whys.try_fold(first?, |_, other| other)) {
+                return Err(self.scene.fault(key, format!("{why}; {NO_PATH_HELP}")));
             }
         }
         Ok(())

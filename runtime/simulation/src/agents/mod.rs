@@ -58,6 +58,7 @@ impl<V: Space> SceneAgents<V> {
         layout.check_sources()?;
         if let Some(scenario) = compiled.scenario() {
             layout.set_senses(scenario);
+            layout.check_goals(scenario)?;
         }
         let mut outside = CrowdStage::new(layout)?;
         for (d, door) in scene.environment.doors.iter().enumerate() {

@@ -86,6 +86,8 @@ pub struct Scenario {
     /// Edges of each state, in the order of states: those from it, then those from any state of its graph.
     pub(super) edges: Vec<EdgeTable>,
     pub(super) actions: Vec<CompiledAction>,
+    /// Keys and positions of slots, and of goals of actions (m).
+    pub(crate) goals: Vec<(String, Vec3)>,
     /// Corners of paths that actions follow (m).
     pub(super) paths: Vec<Vec<Vec3>>,
     pub(super) relations: Vec<RelationTable>,

@@ -219,8 +219,16 @@ fn check_agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: u
         let why = format!("expected two numbers that ascend from 1 to 4, found {least} and {most}");
         return key_fault(&at("companions"), why);
     }
+    if group.graph.is_some() && group.goal.is_some() {
+        let why = "a group with a `graph` goes where that leads: leave it out, or let an action `go` there";
+        return key_fault(&at("goal"), why);
+    }
     if let Some(source) = &group.source {
         source.find_fault(&at("source"), group.count, dimensions)?;
+        if let Some(PlaceConfig::Block { from, to, .. }) = &source.place {
+            let wide = from.iter().zip(to).map(|(from, to)| to - from).fold(0.0, f32::max);
+            check_numbers(&[(&at("source.place"), wide, 2.0 * group.radius_m[1], 1e6)])?;
+        }
     }
     check_ranges(&[
         (&at("radius_m"), group.radius_m, 0.01, 100.0),

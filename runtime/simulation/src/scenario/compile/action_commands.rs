@@ -5,6 +5,7 @@ use crate::scenario::action_registry::{ActionOperand, Effect, MAX_WORDS, Registe
 use crate::scenario::language::{self, Amount, NameKind, Program, SpotName, Type};
 use crate::scenario::tables::{ActionClaim, CompiledAction, Scenario};
 use crate::scene::{ActionConfig, StoryBehaviour, WordConfig};
+use glam::Vec3;
 use throng_base::text::did_you_mean;
 
 /// Most points of a list: each agent that follows it has a route of its own.
@@ -162,6 +163,14 @@ impl ScenarioCompiler<'_> {
             }
             _ => {}
         }
+        let at = match said[0] {
+            ActionOperand::Point(at) => Some(Vec3::from_array(at)),
+            ActionOperand::Spot(SpotName::Place(place)) => Some(self.out.places[usize::from(place)].at),
+            _ => None,
+        };
+        if let Some(at) = at.filter(|_| ["go", "leave"].contains(&name.as_str())) {
+            self.out.goals.push((format!("{key}.{name}"), at));
+        }
         Ok(match action_name {
             RegisteredAction::Effect(effect) => CompiledAction::Effect(effect, said),
             RegisteredAction::Primitive(number) => {
@@ -196,14 +205,17 @@ impl ScenarioCompiler<'_> {
                 ActionOperand::Point(checked_point(at, key, dimensions)?.to_array())
             }
             (WordKind::Target | WordKind::Slot | WordKind::Queue, WordConfig::Text(text)) => {
-                let (has_other, has_place) = (self.out.names.has_other, self.out.names.has_place);
+                let has_other = self.out.names.has_other && !self.is_untold;
+                let has_place = self.out.names.has_place;
+                let has_arrow = has_place && self.scene.places.iter().any(|site| site.arrow.is_some());
                 match text.as_str() {
                     "me" => ActionOperand::Spot(SpotName::Me),
                     "home" => ActionOperand::Spot(SpotName::Home),
-                    "arrow" if has_place => ActionOperand::Arrow,
+                    "arrow" if has_arrow => ActionOperand::Arrow,
                     "other" if has_other => ActionOperand::Spot(SpotName::Other),
                     "place" if has_place => ActionOperand::Spot(SpotName::Here),
-                    "other" | "place" | "arrow" => return expected(&format!("somewhere: this event has no `{text}`")),
+                    "other" => return expected("somewhere: this event has no `other`; one with `passed_on` has"),
+                    "place" | "arrow" => return expected(&format!("somewhere: there is no `{text}` for this event")),
                     name => ActionOperand::Spot(SpotName::Place(self.name_number(NameKind::Place, name, key)?)),
                 }
             }

@@ -49,9 +49,9 @@ impl ScenarioCompiler<'_> {
 
     pub(super) fn compile_slots(&mut self, place: usize, site: &SiteConfig) -> CompileResult<()> {
         let (middle, number) = (scene_point(&site.at), place as u16);
-        for slot in &site.slots {
+        for (n, slot) in site.slots.iter().enumerate() {
             let facing = slot.facing.as_ref().map_or(middle, |f| scene_point(f));
-            self.push_slot(SlotTable { at: scene_point(&slot.at), facing, place: number }, "slots")?;
+            self.push_slot(SlotTable { at: scene_point(&slot.at), facing, place: number }, &format!("slots[{n}]"))?;
         }
         let Some(queue) = &site.queue else { return Ok(()) };
         if !site.slots.is_empty() {
@@ -115,6 +115,7 @@ impl ScenarioCompiler<'_> {
 
     fn push_slot(&mut self, slot: SlotTable, key: &str) -> CompileResult<()> {
         self.out.slots.push(slot);
+        self.out.goals.push((format!("places[{}].{key}", slot.place), slot.at));
         if self.out.slots.len() > MOST_SLOTS {
             let why = format!(
                 "expected at most {MOST_SLOTS} slots of all places, found more: take fewer, or set a larger `spacing_m` of a `queue`"

@@ -92,6 +92,8 @@ struct ScenarioCompiler<'a> {
     graph_starts: BTreeMap<String, u32>,
     /// Numbers of states, by names of graph and state.
     state_numbers: BTreeMap<(String, String), u32>,
+    /// Whether nobody tells or conveys the event whose actions are compiled.
+    is_untold: bool,
 }
 
 impl<'a> ScenarioCompiler<'a> {
@@ -161,7 +163,7 @@ impl<'a> ScenarioCompiler<'a> {
             ..Scenario::default()
         };
         let (compiled_behaviours, graph_starts, state_numbers) = Default::default();
-        Ok(Self { scene, out, compiled_behaviours, graph_starts, state_numbers })
+        Ok(Self { scene, out, compiled_behaviours, graph_starts, state_numbers, is_untold: false })
     }
 
     fn compile(mut self) -> CompileResult<Scenario> {
@@ -238,6 +240,10 @@ impl<'a> ScenarioCompiler<'a> {
         // A behaviour of a state goes on through several events: it may name all of them.
         let any = trigger == trigger::DONE;
         self.out.names.has_other = any || is_event || trigger == trigger::MEETS;
+        let event = self.scene.events.get(usize::from(trigger.wrapping_sub(trigger::EVENTS)));
+        // Actions that convey may be anywhere in the file.
+        let tells = self.scene.source.text().is_empty() || self.scene.source.text().contains("convey");
+        self.is_untold = event.is_some_and(|event| !event.passed_on && !tells);
         self.out.names.has_place =
             any || [trigger::ENTERS, trigger::LEAVES, trigger::ARRIVES, trigger::FULL].contains(&trigger);
     }
