@@ -45,6 +45,8 @@ struct AgentProgress<V> {
     nearest: (f32, f64),
     has_arrived: bool,
     is_stuck: bool,
+    /// True before it enters, and after it has left.
+    is_absent: bool,
 }
 
 /// Sample of an agent at one time.
@@ -107,7 +109,7 @@ impl<V: Space> ProgressMeter<V> {
 
     /// Agents on their way that by now have stayed within half a metre for 10 s, or come no nearer for 20 s.
     pub fn stuck_at(&self, time_s: f64) -> usize {
-        self.agents.iter().filter(|m| !m.has_arrived && m.makes_no_progress(time_s)).count()
+        self.agents.iter().filter(|m| !m.has_arrived && !m.is_absent && m.makes_no_progress(time_s)).count()
     }
 
     /// Agents that have reached their goal, or left there.
@@ -136,20 +138,22 @@ impl<V: Space> AgentProgress<V> {
             nearest: (sight.remaining_m, time_s),
             has_arrived: false,
             is_stuck: false,
+            is_absent: sight.at.is_none(),
         };
         one.remaining_m = one.remaining_length(sight, at);
-        one.has_arrived = one.has_reached_goal(sight, at);
+        one.has_arrived = !one.is_absent && one.has_reached_goal(sight, at);
         one
     }
 
     /// Advances to a sample; returns the distance gained and the time spent on the way (m, s).
     fn advance(&mut self, sight: &AgentSample<'_, V>, time_s: f64) -> (f32, f64) {
-        if self.path_number != sight.path_number {
+        if sight.at.is_some() && (self.path_number != sight.path_number || self.is_absent) {
             *self = Self { is_stuck: self.is_stuck, ..Self::start(sight, time_s) };
             return (0.0, 0.0);
         }
         let spent = time_s - std::mem::replace(&mut self.time_s, time_s);
-        if self.has_arrived {
+        let was_there = !std::mem::replace(&mut self.is_absent, sight.at.is_none());
+        if self.has_arrived || self.is_absent && !was_there {
             return (0.0, 0.0);
         }
         let Some(at) = sight.at else {
@@ -269,6 +273,20 @@ mod tests {
             assert!((meter.progress_mps() - 1.3).abs() < 0.02, "{}", meter.progress_mps());
             assert_eq!((meter.arrived(), meter.stuck(), meter.reached(), meter.stopped_share()), (1, 0, 1.0, 0.0));
         }
+    }
+
+    #[test]
+    fn who_enters_later_has_neither_arrived_nor_gained_anything_before() {
+        let mut meter = ProgressMeter::default();
+        for i in 0..=480 {
+            let t = f64::from(i) / 30.0 - 8.0;
+            let at = (t >= 0.0).then(|| along(1.3 * t as f32));
+            let enters = AgentSample { path_number: u32::from(t >= 0.5), ..sight(at, false) };
+            meter.observe(t + 8.0, [enters, sight(None, false)].into_iter());
+            assert_eq!((meter.arrived(), meter.stuck()), (0, 0), "after {t} s");
+        }
+        let by_10s = meter.progress_by_10s_mps();
+        assert!(by_10s.iter().all(|mps| (mps - 1.3).abs() < 0.05), "{by_10s:?}");
     }
 
     #[test]
