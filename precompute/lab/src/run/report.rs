@@ -16,6 +16,7 @@ use throng_crowd::Space;
 use throng_motion::error::{BuildError, Result};
 use throng_simulation::agents::SceneAgents;
 use throng_simulation::scenario::ExpectationOutcome;
+use throng_simulation::scene::ExpectedQuantity;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, ExpectationWatch, MotionKind, SceneStatistics, Simulation};
 use throng_world::UnitRecord;
 
@@ -91,6 +92,25 @@ impl SceneReport {
     }
 }
 
+/// Checks that a scene expects no figure that its report cannot have.
+///
+/// # Errors
+/// [`throng_core::Error::Text`] with the key of the expectation.
+fn check_figures(sim: &Simulation) -> throng_core::Result<()> {
+    let report = SceneReport { statistics: sim.statistics(), ..SceneReport::default() };
+    let schema = schemars::schema_for!(SceneFigures).to_value();
+    let is_unknown = |key: &str| schema["properties"].get(key).is_none() && report.figure(None, key).is_none();
+    for (n, expect) in sim.scene().expect.iter().enumerate() {
+        if let ExpectedQuantity::Figure(key) = &expect.that
+            && is_unknown(key)
+        {
+            let why = format!("there is no figure `{key}`: `throng run --json` prints those that there are");
+            return Err(sim.scene().fault(&format!("expect[{n}].that.figure"), why));
+        }
+    }
+    Ok(())
+}
+
 /// An error of a config, by its message.
 pub(super) fn config_error(why: impl std::fmt::Display) -> BuildError {
     BuildError::Config { message: why.to_string() }
@@ -123,6 +143,7 @@ pub fn run_recorded(
     SECONDS.check("seconds", None, seconds).map_err(config_error)?;
     STEP_HZ.check("step_hz", None, hz).map_err(config_error)?;
     let mut sim = Simulation::new(scene).map_err(config_error)?;
+    check_figures(&sim).map_err(config_error)?;
     sim.set_timed();
     let all: Vec<usize> = (0..sim.groups().len()).collect();
     let mut total = SceneWatch::new(&sim, &all)?;
@@ -299,6 +320,7 @@ fn placed_units(units: &[UnitRecord], num_kinds: usize, world: &Path) -> Result<
 mod tests {
     use super::*;
     use throng_core::patch::Placement;
+    use throng_simulation::Scene;
 
     #[test]
     fn a_unit_that_the_bundle_lacks_is_refused_by_number_and_file() {
@@ -306,5 +328,29 @@ mod tests {
         assert_eq!(placed_units(&[unit(0), unit(2)], 3, Path::new("a.world")).unwrap().len(), 2);
         let told = placed_units(&[unit(0), unit(3)], 3, Path::new("a.world")).unwrap_err().to_string();
         assert!(told.contains("a.world") && told.contains("unit 3"), "{told}");
+    }
+
+    #[test]
+    fn figures_that_no_report_has_are_refused_before_a_run() {
+        let told = |figure: &str| {
+            let text = format!(
+                "[[groups]]\nmotion = \"none\"\ncount = 2\nplace = {{ block = {{ from = [0.0, 0.0], to = [5.0, 5.0] }} }}\n\
+                 graph = \"g\"\n[graphs.g]\nlevel = \"social\"\nstart = \"a\"\n[graphs.g.states]\na = {{ do = [{{ stay = 1 }}] }}\n\
+                 [[places]]\nname = \"l\"\nat = [9.0, 0.0]\nqueue = {{ points = [[9.0, 0.0], [15.0, 0.0]] }}\n\
+                 [[places]]\nname = \"t\"\nat = [8.0, 0.0]\nslots = [{{ at = [8.0, 0.0] }}]\n\
+                 [[services]]\nname = \"bread\"\ntills = \"t\"\nlines = [\"l\"]\ntime_s = {{ fixed = 5.0 }}\n\
+                 [[expect]]\nname = \"x\"\nthat.figure = \"{figure}\"\nmost = 1\n"
+            );
+            let scene =
+                Scene::parse(&text, Path::new("a.toml")).and_then(|s| s.open()).unwrap_or_else(|e| panic!("{e}"));
+            check_figures(&Simulation::new(&scene).unwrap()).err().map(|e| e.to_string())
+        };
+        for good in ["stuck_at_end", "max_overlap_m", "services.bread.wait_p90_s", "arrived", "things_taken"] {
+            assert_eq!(told(good), None);
+        }
+        for bad in ["stuk_at_end", "services.bred.served", "services.bread.serves"] {
+            let why = told(bad).unwrap();
+            assert!(why.contains("a.toml:27:") && why.contains(bad) && why.contains("`throng run --json`"), "{why}");
+        }
     }
 }
