@@ -12,16 +12,23 @@ use super::perceive::AgentView;
 use super::stage::ScenarioStage;
 use super::tables::{ActionClaim, CompiledAction, NONE, trigger};
 use glam::Vec3;
-use throng_base::Result;
+use std::f32::consts::PI;
+use throng_base::{Result, maths};
 
 /// Distance from a slot at which an agent has arrived (m).
 pub(super) const SLOT_M: f32 = 0.15;
 /// Distance from the end of a line at which an agent joins it (m), and time between two looks where it ends (s).
 pub(super) const JOIN_M: f32 = 1.5;
 const JOIN_S: f64 = 0.5;
-/// Clearance from walls of a place that is seen (m), and positions that are tried on the line to it.
+/// Clearance from walls of a place that is seen (m), and most draws of one.
 const NEAR_M: f32 = 0.5;
-const NEAR_TRIES: u32 = 10;
+const NEAR_TRIES: u32 = 20;
+/// Clearance from walls of the line along which an agent flees (m), number of directions that are tried, and of positions on each.
+const FLEES_M: f32 = 0.2;
+const FLEES_WAYS: u32 = 9;
+const FLEES_STEPS: u32 = 10;
+/// Time between two looks for a way to flee (s).
+const FLEES_S: f64 = 0.5;
 /// Largest amount of an argument of an action; larger ones are clamped.
 pub(super) const MAX_AMOUNT: f64 = 1e9;
 
@@ -146,6 +153,8 @@ impl AgentBrains {
             } {
                 let slot = self.scenario.slots[slot as usize];
                 (said.targets[0], said.facing, said.arrival_m) = (Some(slot.at), Some(slot.facing), SLOT_M);
+            } else if self.waits_beside(stage, agent, place)? {
+                return Ok(false);
             } else {
                 self.push_stimulus(agent, trigger::FULL, place_context(place));
                 return Ok(true);
@@ -156,10 +165,21 @@ impl AgentBrains {
         let velocity = stage.velocity(agent);
         let sight = PrimitiveInput { velocity, chance, ..self.primitive_input(&brain, position) };
         let mut command = (self.scenario.primitives.get(number).act)(&sight, &said);
-        if let WalkCommand::Near { middle, at, arrival_m } = command.walk {
-            let tries = (0..NEAR_TRIES).map(|k| at.lerp(middle, k as f32 / NEAR_TRIES as f32));
-            let seen = tries.into_iter().find(|at| stage.sees(middle, *at, NEAR_M, false));
-            command.walk = WalkCommand::To { at: seen.unwrap_or(middle), arrival_m };
+        let mut tries = 0;
+        while let WalkCommand::Near { middle, at, arrival_m } = command.walk {
+            tries += 1;
+            if tries > NEAR_TRIES || stage.sees(middle, at, NEAR_M, false) {
+                let at = if tries > NEAR_TRIES { middle } else { at };
+                command.walk = WalkCommand::To { at, arrival_m };
+            } else {
+                let chance = [self.draw_chance(agent) as f32, self.draw_chance(agent) as f32];
+                command = (self.scenario.primitives.get(number).act)(&PrimitiveInput { chance, ..sight }, &said);
+            }
+        }
+        if let WalkCommand::Away { from, at, arrival_m } = command.walk {
+            let to = farthest_seen(stage, [from, position, at]);
+            command.again_s = if to.is_some_and(|to| to.distance(at) < SLOT_M) { 0.0 } else { FLEES_S };
+            command.walk = to.map_or(WalkCommand::Halt, |at| WalkCommand::To { at, arrival_m });
         }
         let own = self.brains[m].slot;
         let stands =
@@ -197,9 +217,9 @@ impl AgentBrains {
                 self.brains[m].phase = ActionPhase::Walking;
                 return self.handle_arrival(stage, agent);
             }
-            WalkCommand::To { at, arrival_m } | WalkCommand::Near { at, arrival_m, .. } => {
-                stage.order_walk(agent, at, arrival_m, false)?
-            }
+            WalkCommand::To { at, arrival_m }
+            | WalkCommand::Near { at, arrival_m, .. }
+            | WalkCommand::Away { at, arrival_m, .. } => stage.order_walk(agent, at, arrival_m, false)?,
             WalkCommand::Out { at, arrival_m } => stage.order_walk(agent, at, arrival_m, true)?,
             WalkCommand::Along if is_again => {
                 self.watch_course(stage, agent, &said);
@@ -436,4 +456,23 @@ impl AgentBrains {
         relationships[..=old.unwrap_or(3)].rotate_right(1);
         relationships[0] = (other, liking.clamp(-2.0, 2.0));
     }
+}
+
+/// Position that an agent sees and that is farthest from a threat, of those on straight lines that never come nearer to it; `None` where
+/// none is farther away than the agent.
+///
+/// - positions of the threat and of the agent, and that to which it would flee without walls (m).
+fn farthest_seen(stage: &impl ScenarioStage, [from, position, at]: [Vec3; 3]) -> Option<Vec3> {
+    let ahead = at - position;
+    let seen = (0..FLEES_WAYS * FLEES_STEPS).map(|n| {
+        let turn = maths::direction_at_angle(PI * (n % FLEES_WAYS) as f32 / (FLEES_WAYS - 1) as f32);
+        let way = ahead * turn.y + Vec3::new(ahead.z, 0.0, -ahead.x) * turn.x;
+        position + way * ((n / FLEES_WAYS + 1) as f32 / FLEES_STEPS as f32)
+    });
+    let is_seen = |to: &Vec3| stage.sees(position, *to, FLEES_M, true) && stage.sees(*to, *to, NEAR_M, true);
+    if is_seen(&at) {
+        return Some(at);
+    }
+    let best = seen.filter(is_seen).max_by(|a, b| a.distance(from).total_cmp(&b.distance(from)));
+    best.filter(|to| to.distance(from) > position.distance(from) + SLOT_M)
 }

@@ -155,10 +155,20 @@ pub enum WalkCommand {
         /// Distance at which the agent has arrived (m).
         arrival_m: f32,
     },
-    /// Walks to a place, or, where a wall or a door is before it, to a nearer one that is seen from a middle.
+    /// Walks to a place that is seen from a middle; where a wall or a door is before it, another one is drawn.
     Near {
         /// The middle (m).
         middle: Vec3,
+        /// Position (m).
+        at: Vec3,
+        /// Distance at which the agent has arrived (m).
+        arrival_m: f32,
+    },
+    /// Walks to a place, or, where a wall or a closed door is before it, to that of the seen ones which is farthest from a threat; stays
+    /// where none is farther than the agent.
+    Away {
+        /// Position of the threat (m).
+        from: Vec3,
         /// Position (m).
         at: Vec3,
         /// Distance at which the agent has arrived (m).
@@ -367,7 +377,7 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
         let walk = match offset.length() < far {
             true => {
                 let at = from + offset.try_normalize().unwrap_or(Vec3::X) * far;
-                WalkCommand::To { at, arrival_m: 1.0 }
+                WalkCommand::Away { from, at, arrival_m: 1.0 }
             }
             false => WalkCommand::Halt,
         };
@@ -471,7 +481,7 @@ mod tests {
             let mut said = ActionArguments::default();
             (said.targets[0], said.amounts[2]) = (Some(Vec3::ZERO), Some(distance_m));
             match (flee.act)(&sight, &said).walk {
-                WalkCommand::To { at, .. } => {
+                WalkCommand::Away { at, .. } => {
                     assert!((at.length() - distance_m as f32).abs() < 1e-4 && at.x * x > 0.0, "{at}")
                 }
                 walk => assert!(walk == WalkCommand::Halt && x.abs() >= distance_m as f32, "{walk:?} at {x}"),

@@ -1,6 +1,6 @@
 //! Parties: companions in the same state decide once, and go on together.
 
-use super::agent_brain::{EventContext, Occasion};
+use super::agent_brain::{ActionPhase, EventContext, Occasion};
 use super::agent_brains::{AgentBrains, Stimulus};
 use super::stage::ScenarioStage;
 use super::tables::{EdgeTable, trigger};
@@ -14,6 +14,9 @@ const AT_SLOT_M: f32 = 1.0;
 const ASIDE: [[f32; 2]; 8] =
     [[2.5, 0.0], [1.8, 1.8], [0.0, 2.5], [-1.8, 1.8], [-2.5, 0.0], [-1.8, -1.8], [0.0, -2.5], [1.8, -1.8]];
 const CLEARANCE_M: f32 = 0.4;
+/// Distance from a place at which an agent waits for a slot beside its companions (m), and time between two looks for one (s).
+const BESIDE_M: f32 = 2.0;
+const BESIDE_S: f64 = 1.0;
 
 impl AgentBrains {
     /// True where companions of an agent are in the same state of a level, and have not come to its end.
@@ -37,6 +40,7 @@ impl AgentBrains {
     /// Lets an agent wait for its companions. Who has been at a till, or at another place for one, steps away from it: others come.
     pub(super) fn wait_for_party(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
         self.engagements[agent as usize].is_done = true;
+        self.release_slot(stage, agent)?;
         let scenario = self.scenario.clone();
         let room = |at: Vec3| scenario.slots.iter().map(|slot| slot.at.distance(at)).fold(f32::INFINITY, f32::min);
         let Some(at) = stage.position(agent).filter(|at| room(*at) < AT_SLOT_M) else { return Ok(()) };
@@ -47,6 +51,30 @@ impl AgentBrains {
             stage.order_walk(agent, to, 1.0, false)?;
         }
         Ok(())
+    }
+
+    /// Lets an agent that finds no slot where its companions are, or have been, wait near the place and look again after a while; false
+    /// where none are.
+    pub(super) fn waits_beside(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<bool> {
+        let [first, last] = self.scenario.places[usize::from(place)].slots;
+        let states = self.brains[agent as usize].states;
+        let is_at = |other: u32| {
+            let brain = &self.brains[other as usize];
+            let had = self.engagements[other as usize].is_done || (first..last).contains(&brain.slot);
+            other != agent && brain.is_there && brain.states == states && had
+        };
+        if !stage.companions(agent).any(is_at) {
+            return Ok(false);
+        }
+        let brain = &mut self.brains[agent as usize];
+        let before = std::mem::replace(&mut brain.phase, ActionPhase::Standing);
+        (brain.stands_until_s, brain.acts_again_at_s) = (f64::INFINITY, self.now + BESIDE_S);
+        if before != ActionPhase::Standing {
+            let at = self.scenario.slots[first as usize].at;
+            let off = (stage.position(agent).unwrap_or(at) - at).with_y(0.0).try_normalize().unwrap_or(Vec3::X);
+            stage.order_walk(agent, at + off * BESIDE_M, 0.5, false)?;
+        }
+        Ok(true)
     }
 
     /// Lets all companions in the state that an agent has left take the same edge.

@@ -139,6 +139,64 @@ fn overtaking_in_a_line_is_seen() {
 }
 
 #[test]
+fn waits_are_those_of_the_groups_and_priority_overtakes() {
+    let people = |name: &str, x: f32| {
+        format!(
+            "[[groups]]\nname = \"{name}\"\nmotion = \"none\"\ncount = 3\ngraph = \"life\"\n\
+            place = {{ block = {{ from = [{x:?}, 0.0], to = [{:?}, 1.0] }} }}\n",
+            x + 3.0
+        )
+    };
+    let scene = format!(
+        "seconds = 120.0\n{}{}[[places]]\nname = \"line\"\nat = [0.0, 0.0]\n\
+        queue = {{ points = [[0.0, 0.0], [9.0, 0.0]], spacing_m = 1.0 }}\n[[places]]\nname = \"desk\"\nat = [0.0, 0.0]\n\
+        slots = [{{ at = [-2.0, 0.0] }}]\n[[services]]\nname = \"s\"\ntills = \"desk\"\nlines = [\"line\"]\n\
+        time_s = {{ fixed = 14.0 }}\npriority = \"if(me.group == 'last', 1, 0)\"\n[graphs.life]\nlevel = \"social\"\n\
+        start = \"a\"\nedges = [{{ from = \"a\", to = \"b\" }}]\n[graphs.life.states]\na = {{ do = [{{ be_served = \"s\" }}] }}\n\
+        b = {{ do = [{{ go = [-20.0, 9.0] }}, {{ stay = 99 }}] }}\n",
+        people("first", 4.0),
+        people("last", 12.0)
+    );
+    let waits =
+        |who: &str| outcome(&scene, &format!("that.wait = \"s\"\ntake = \"max\"\nmost = 999.0\nwho = [\"{who}\"]"));
+    let (first, last) = (waits("first"), waits("last"));
+    assert_eq!((first.values, last.values), (3, 3), "{first:?} {last:?}");
+    assert!(last.figure < first.figure, "{first:?} {last:?}");
+    let order = outcome(&scene, "that.queue = \"line\"\nleast = 0.9");
+    assert!(!order.holds, "those with priority overtake: {order:?}");
+    let fair = scene.replace("priority = \"if(me.group == 'last', 1, 0)\"\n", "");
+    assert!(outcome(&fair, "that.queue = \"line\"\nleast = 0.9").holds);
+}
+
+#[test]
+fn who_begins_within_range_meets() {
+    let near = |x: f32| {
+        let group = |x: f32| {
+            format!(
+                "[[groups]]\nmotion = \"none\"\ncount = 1\ngoal = {{ stay = {{}} }}\n\
+            place = {{ block = {{ from = [{x:?}, 0.0], to = [{:?}, 1.0] }} }}\n",
+                x + 1.0
+            )
+        };
+        format!(
+            "seconds = 3.0\nagents.meeting_m = 5.0\n[values.met]\nlimits = [0.0, 9.0]\n{}{}[[rules]]\non = \"meets\"\ndo = [{{ add = \"met\", by = 1 }}]\n",
+            group(0.0),
+            group(x)
+        )
+    };
+    let that = "that.amount = \"me.met\"\nbetween_s = [1.0, 3.0]\ntake = \"min\"\nleast = 1\nmost = 1";
+    breaks(&near(2.0), &near(7.0), that);
+    let enters = near(2.0).replacen(
+        "count = 1\n",
+        "count = 2\nsource = { start = 0, rates = [[0.0, 1.0]], \
+        place = { block = { from = [3.0, 3.0], to = [6.0, 6.0] } } }\n",
+        1,
+    );
+    let met = outcome(&enters, "that.amount = \"me.met\"\ntake = \"max\"\nleast = 2");
+    assert!(met.holds, "{met:?}");
+}
+
+#[test]
 fn faults_of_expectations_name_their_line() {
     let told = |that: &str| {
         let text = format!("{WALKERS}\n[[expect]]\nname = \"it\"\n{that}\n");
@@ -177,6 +235,59 @@ fn who_roams_stays_on_this_side_of_walls_and_open_doors() {
     breaks(&roams, &doing("{ go = [0.0, -12.0] }", hall), that);
     let walked = outcome(&roams, "that.amount = \"me.speed\"\nleast = 0.5");
     assert!(walked.holds, "{walked:?}");
+}
+
+#[test]
+fn who_flees_never_runs_past_the_threat_and_stays_in_a_dead_end() {
+    let room = "[[places]]\nname = \"door\"\nat = [1.0, 4.0]\nradius_m = 1.0\n\
+        [[environment.obstacles]]\nwall = { points = [[0.0, 4.0], [-5.0, 4.0], [-5.0, -4.0], [5.0, -4.0], [5.0, 4.0], [2.0, 4.0]] }\n";
+    let flees = doing("{ flee = \"door\", distance_m = 12.0 }", room);
+    breaks(&flees, &doing("{ go = [1.0, 9.0] }", room), "that.never = \"me.z > 4\"");
+    let corner = outcome(
+        &flees,
+        "that.amount = \"distance(me, 'door')\"\nbetween_s = [20.0, 40.0]\ntake = \"min\"\nleast = 7.0",
+    );
+    assert!(corner.holds, "{corner:?}");
+    let open = flees
+        .replace("[[0.0, 4.0], [-5.0, 4.0]", "[[-4.9, 3.9], [-5.0, 4.0]")
+        .replace("[5.0, 4.0], [2.0, 4.0]", "[5.0, 4.0]");
+    let away =
+        outcome(&open, "that.amount = \"distance(me, 'door')\"\nbetween_s = [20.0, 40.0]\ntake = \"min\"\nleast = 7.0");
+    assert!(away.holds, "{away:?}");
+}
+
+#[test]
+fn families_share_places_with_fewer_slots() {
+    let family = |size: usize, slots: &str| {
+        format!(
+            "seconds = 90.0\n[[groups]]\nname = \"family\"\nmotion = \"none\"\ncount = {size}\ncompanions = [{size}, {size}]\ngraph = \"g\"\n\
+             place = {{ block = {{ from = [0.0, 0.0], to = [3.0, 1.0] }} }}\n[[places]]\nname = \"bench\"\nat = [12.0, 0.0]\n\
+             slots = [{slots}]\n[graphs.g]\nlevel = \"social\"\nstart = \"go\"\nedges = [{{ from = \"go\", to = \"home\" }}, \
+             {{ from = \"go\", to = \"wait\", on = \"full\" }}, {{ from = \"wait\", to = \"go\" }}]\n[graphs.g.states]\n\
+             go = {{ do = [{{ visit = \"bench\", for_s = 2 }}] }}\nwait = {{ do = [{{ stay = 2 }}] }}\nhome = {{ do = [{{ leave = [-10.0, 0.0] }}] }}\n"
+        )
+    };
+    let two = "{ at = [12.0, 0.0] }, { at = [13.0, 0.0] }";
+    for (size, slots) in [(3, two), (4, "{ at = [12.0, 0.0] }"), (4, two), (2, two)] {
+        let home = outcome(&family(size, slots), "that.passes = [\"me.state == 'home'\"]\nleast = 1");
+        assert!(home.holds, "{size}: {home:?}");
+    }
+}
+
+#[test]
+fn who_roams_among_boxes_is_not_drawn_to_the_middle() {
+    let boxes = "[[places]]\nname = \"middle\"\nat = [0.0, 0.0]\n\
+        [[environment.obstacles]]\nbox = { from = [-4.0, 1.6], to = [4.0, 2.2] }\n\
+        [[environment.obstacles]]\nbox = { from = [-4.0, -2.2], to = [4.0, -1.6] }\n";
+    let scene = doing("{ roam = [0.0, 0.0], within_m = 12 }, { stay = 3 }", boxes)
+        .replace("seconds = 40.0", "seconds = 90.0")
+        .replace("count = 6", "count = 12")
+        .replace("from = [-3.0, -3.0], to = [3.0, 3.0]", "from = [6.0, -6.0], to = [12.0, 6.0]");
+    let far = outcome(
+        &scene,
+        "that.amount = \"distance(me, 'middle')\"\nbetween_s = [30.0, 90.0]\ntake = \"median\"\nleast = 5.0",
+    );
+    assert!(far.holds, "{far:?}");
 }
 
 #[test]

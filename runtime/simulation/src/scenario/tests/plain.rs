@@ -486,7 +486,9 @@ impl Plain {
                 if command.stay_s > 0.0 { person.until = now + command.stay_s } else { self.ended(stage, a) }
             }
             // Nothing is in the way on paper.
-            WalkCommand::To { at, arrival_m } | WalkCommand::Near { at, arrival_m, .. } => {
+            WalkCommand::To { at, arrival_m }
+            | WalkCommand::Near { at, arrival_m, .. }
+            | WalkCommand::Away { at, arrival_m, .. } => {
                 person.walks = true;
                 if position.distance(at) <= arrival_m {
                     self.arrived(stage, a);
