@@ -126,11 +126,14 @@ struct PoseEvents {
 /// True for a gesture, such as an offered or a waving hand, however long it is held: an arm with an elbow opened wider
 /// than a right angle points more than [`HANGING`] off straight down. Hands on hips, crossed arms and guards are none.
 pub(crate) fn holds_arm_out(joints: &[Vec3; NUM_JOINTS]) -> bool {
-    ARMS.iter().any(|arm| {
-        let [shoulder, elbow, wrist] = arm.map(|j| joints[j.index()]);
-        let reach = wrist - shoulder;
-        (shoulder - elbow).dot(wrist - elbow) < 0.0 && -reach.y < HANGING * reach.length()
-    })
+    ARMS.iter().any(|&arm| is_held_out(joints, arm))
+}
+
+/// True for such an arm.
+pub(crate) fn is_held_out(joints: &[Vec3; NUM_JOINTS], arm: [Joint; 3]) -> bool {
+    let [shoulder, elbow, wrist] = arm.map(|j| joints[j.index()]);
+    let reach = wrist - shoulder;
+    (shoulder - elbow).dot(wrist - elbow) < 0.0 && -reach.y < HANGING * reach.length()
 }
 
 /// Cosine of the largest angle off straight down, from shoulder to wrist, of a hanging arm: half a right angle.

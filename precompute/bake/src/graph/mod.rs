@@ -18,7 +18,7 @@ mod tree;
 pub use apart::MotionApart;
 pub use config::{MakeMotion, MotionGraphConfig};
 pub use connect::{connect, empty_graph};
-pub(crate) use events::{holds_arm_out, standing_runs_of};
+pub(crate) use events::{holds_arm_out, is_held_out, standing_runs_of};
 pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_rows, write_graph_json};
 pub use manners::KeptManners;
 pub(crate) use report::played_frames;

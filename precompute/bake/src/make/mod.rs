@@ -73,18 +73,11 @@ pub struct MadeReport {
 impl MadeReport {
     /// Sentence such as `12 clips made: 4 starts, 4 stops, 4 turns`; empty if none are made.
     pub fn summary(&self) -> String {
-        let all = [
-            (self.starts, "start"),
-            (self.stops, "stop"),
-            (self.turns, "turn"),
-            (self.arcs, "arc"),
-            (self.pivots, "pivot"),
-            (self.steps, "step"),
-            (self.stands, "stand"),
-        ];
+        let counts = [self.starts, self.stops, self.turns, self.arcs, self.pivots, self.steps, self.stands];
+        let all = counts.into_iter().zip(["start", "stop", "turn", "arc", "pivot", "step", "stand"]);
         let plural = |n: usize| if n == 1 { "" } else { "s" };
         let parts: Vec<String> =
-            all.iter().filter(|(n, _)| *n > 0).map(|&(n, what)| format!("{n} {what}{}", plural(n))).collect();
+            all.filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}{}", plural(n))).collect();
         if parts.is_empty() {
             return String::new();
         }
@@ -102,20 +95,13 @@ pub struct MadeMotion {
 }
 
 impl MadeMotion {
-    /// Adds other made motion.
+    /// Adds the motion that is made after stands.
     pub fn append(&mut self, mut other: Self) {
         self.clips.append(&mut other.clips);
-        let (to, from) = (&mut self.report, other.report);
-        to.clips += from.clips;
-        to.starts += from.starts;
-        to.stops += from.stops;
-        to.turns += from.turns;
-        to.arcs += from.arcs;
-        to.pivots += from.pivots;
-        to.steps += from.steps;
-        to.stands += from.stands;
-        to.seconds += from.seconds;
-        (to.captured_starts, to.gaits, to.stances) = (from.captured_starts, from.gaits, from.stances);
+        let stands = std::mem::replace(&mut self.report, other.report);
+        self.report.clips += stands.clips;
+        self.report.stands += stands.stands;
+        self.report.seconds += stands.seconds;
     }
 }
 

@@ -3,13 +3,14 @@
 use super::feet::{MadeFoot, foot_point};
 use super::gait::GaitCycle;
 use super::stepping::{CoursePose, ankle_of, reach_feet};
-use crate::graph::{MotionGraphConfig, holds_arm_out, standing_runs_of};
+use crate::graph::{MotionGraphConfig, holds_arm_out, is_held_out, standing_runs_of};
 use crate::stops::idle_frames_left;
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_core::format::{ClassSpan, Gait, MotionClass};
 use throng_core::planar::twist_about_y;
+use throng_core::skeleton::ARMS;
 use throng_core::{Joint, NUM_JOINTS, Planar, Skeleton};
 use throng_motion::retarget::LEGS;
 use throng_motion::{Clip, FrameRange};
@@ -30,6 +31,8 @@ const MAX_STANCES: usize = 3;
 const OTHER_STANCE: f32 = 0.1;
 /// Share of the bend of a runner's elbows, and of its trunk, that is left where it stands.
 const BENT: f32 = 0.3;
+/// Sine and cosine of the angle of hanging arms off straight down.
+const HANGS: [f32; 2] = [0.28, 0.96];
 /// Least time of a made stance (s).
 const HELD_S: f32 = 6.0;
 
@@ -100,10 +103,9 @@ impl RestStance {
         if out.is_empty() {
             // Who runs stands as those do who walk so, or as anybody stands.
             let walk = gaits.iter().find(|g| g.class.gait != Gait::Run);
-            let made = || Self::of_gait(walk.unwrap_or(first), skeleton);
             out.extend(match (walk, calm.first().filter(|s| s.class.neutral)) {
                 (None, Some(stance)) => Some(long((stance, 0))),
-                _ => made(),
+                _ => Self::of_gait(walk.unwrap_or(first), skeleton),
             });
         }
         out
@@ -126,12 +128,13 @@ impl RestStance {
         };
         let mut rotations: [Quat; NUM_JOINTS] = std::array::from_fn(mean);
         if gait.class.gait == Gait::Run {
-            for elbow in [Joint::LeftForearm, Joint::RightForearm].map(Joint::index) {
-                rotations[elbow] = maths::slerp_f32(Quat::IDENTITY, rotations[elbow], BENT);
+            let trunk = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest];
+            for j in trunk.into_iter().chain(ARMS.map(|[_, elbow, _]| elbow)).map(Joint::index) {
+                rotations[j] = maths::slerp_f32(Quat::IDENTITY, rotations[j], BENT);
             }
-            for trunk in [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest].map(Joint::index) {
-                rotations[trunk] = maths::slerp_f32(Quat::IDENTITY, rotations[trunk], BENT);
-            }
+        }
+        if !gait.class.carrying {
+            hang_arms(&mut rotations, skeleton);
         }
         let flat: [MadeFoot; 2] = {
             let of = |foot: usize| {
@@ -185,6 +188,20 @@ impl RestStance {
     }
 }
 
+/// Turns arms that are held out at their shoulders, so that they hang.
+fn hang_arms(rotations: &mut [Quat; NUM_JOINTS], skeleton: &Skeleton) {
+    let joints = Clip::new("stand", 1.0, vec![Vec3::Y], rotations.to_vec()).joint_transforms(skeleton, 0);
+    let at = joints.map(|(at, _)| at);
+    for arm in ARMS.into_iter().filter(|arm| is_held_out(&at, *arm)) {
+        let [shoulder, _, wrist] = arm.map(Joint::index);
+        let reach = (at[wrist] - at[shoulder]).normalize_or(Vec3::NEG_Y);
+        let hangs = reach.with_y(0.0).normalize_or_zero() * HANGS[0] - Vec3::Y * HANGS[1];
+        let above = arm[0].parent().map_or(Quat::IDENTITY, |j| joints[j.index()].1);
+        let turned = maths::compose(Quat::from_rotation_arc(reach, hangs), joints[shoulder].1);
+        rotations[shoulder] = maths::compose(above.inverse(), turned).normalize();
+    }
+}
+
 /// Height of the hips over feet on the ground whose legs are as straight as those of a gait at their straightest (m).
 fn standing_height(
     gait: &GaitCycle,
@@ -224,7 +241,7 @@ fn unrest(clip: &Clip, skeleton: &Skeleton, window: &FrameRange, rest: &[Vec3; N
         if !upright || holds_arm_out(&at) || apart > FEET_APART.0 || turned > FEET_APART.1 {
             return None;
         }
-        for [shoulder, hand] in [[Joint::LeftUpperArm, Joint::LeftHand], [Joint::RightUpperArm, Joint::RightHand]] {
+        for [shoulder, _, hand] in ARMS {
             let reach = at[hand.index()] - at[shoulder.index()];
             arms += 1.0 + reach.y / reach.length().max(1e-3);
         }

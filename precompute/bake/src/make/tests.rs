@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use throng_base::{SingleRank, maths};
 use throng_core::format::{ClassSpan, MotionClass};
 use throng_core::planar::wrap_angle;
+use throng_core::skeleton::ARMS;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Planar};
 use throng_motion::annotate::contacts::FOOT_PARTS;
 use throng_motion::clip::FrameId;
@@ -177,6 +178,33 @@ fn stands_over_feet_that_glide_are_held_over_feet_that_stay() {
     let ankle = |f: usize| gliding.clip.joint_positions(&set.skeleton, f)[Joint::LeftFoot.index()];
     let glided = (0..gliding.clip.num_frames()).map(|f| ankle(f).distance(ankle(0))).fold(0.0, f32::max);
     assert!(gliding.clip.num_frames() >= 180 && glided < 0.005, "{glided} m");
+}
+
+#[test]
+fn arms_that_a_gait_holds_out_hang_where_it_stands_unless_they_carry_or_are_bent() {
+    let set = library(&["walk_neutral_v110_g00"]);
+    let raised = |degrees: f32, bent: f32, carrying: bool| {
+        let mut clip = set.clips[0].clone();
+        for f in 0..clip.num_frames() {
+            for ([arm, elbow, _], side) in ARMS.map(|arm| arm.map(Joint::index)).into_iter().zip([1.0, -1.0]) {
+                let at = f * NUM_JOINTS;
+                clip.rotations[at + arm] = glam::Quat::from_rotation_z(side * (degrees - 90.0).to_radians());
+                clip.rotations[at + elbow] = glam::Quat::from_rotation_y(-side * bent.to_radians());
+            }
+        }
+        let mut gait = GaitCycle::find(&clip, &set.skeleton).remove(0);
+        gait.class.carrying = carrying;
+        let stance = RestStance::of_gait(&gait, &set.skeleton).unwrap().clip;
+        let at = stance.joint_positions(&set.skeleton, 0);
+        let off = |[shoulder, _, wrist]: [Joint; 3]| at[wrist.index()] - at[shoulder.index()];
+        let degrees = ARMS.map(|arm| off(arm).angle_between(Vec3::NEG_Y).to_degrees());
+        (degrees[0].max(degrees[1]), classify(&stance, &set.skeleton, &NameHints::default())[0].class.neutral)
+    };
+    let (hangs, is_neutral) = raised(85.0, 10.0, false);
+    assert!(hangs < 25.0 && is_neutral, "arms hang at {hangs} degrees");
+    assert!(raised(12.0, 10.0, false).0 < 16.0, "hanging arms are as they were");
+    assert!(raised(60.0, 100.0, false).0 > 50.0, "bent arms are as they were: {}", raised(60.0, 100.0, false).0);
+    assert!(raised(60.0, 10.0, true).0 > 50.0, "arms that carry are as they were");
 }
 
 #[test]

@@ -61,7 +61,8 @@ impl<'a> MotionObstacle<'a> {
             let radius = |at: usize| self.bodies.reaches[self.paths.rows[at] as usize].radius;
             let samples = self.sample_links(&roots, |at| (at..at + 1, radius(at)), earlier, self.paths.roots.len());
             let shared = SharedRoots::new(&samples.clearance_of);
-            let hit = (0..num_links as u32).filter(|&l| shared.any_collides(self.paths.root_range(l as usize)));
+            let collides = |r: Range<usize>| (shared.next[r.start] as usize) < r.end || shared.hits[r.end - 1];
+            let hit = (0..num_links as u32).filter(|&l| collides(self.paths.root_range(l as usize)));
             return ObstacleMask { words: link_bits(num_links, hit), samples, by_roots: true, ..Default::default() };
         };
         let order = &self.paths.play_order;
@@ -160,10 +161,6 @@ impl SharedRoots {
             next[at] = if hits[at] { at as u32 } else { next.get(at + STRIDE).copied().unwrap_or(u32::MAX) };
         }
         Self { hits, next }
-    }
-
-    fn any_collides(&self, roots: Range<usize>) -> bool {
-        (self.next[roots.start] as usize) < roots.end || self.hits[roots.end - 1]
     }
 }
 
