@@ -12,6 +12,7 @@ use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use throng_base::Comm;
+use throng_base::maths::quantile;
 use throng_base::thresholds::{HEAD_ROOM_M, TRUNK_ROOM_M};
 use throng_core::stops::{
     BODY_RADIUS_M, REST, SLOW_DOWN, SWEEP_TOLERANCE_M, StopRecord, SweepNode, SweepRecord, WALK_ON,
@@ -306,18 +307,14 @@ fn report(stops: &[StopRecord], found: &CheapestPaths<'_>, paths: &[Vec<Vec2>]) 
         sum
     };
     let moving: Vec<usize> = (0..stops.len()).filter(|&s| stops[s].kind != REST).collect();
-    let p95 = |of: &dyn Fn(usize) -> f64| {
-        let mut all: Vec<f64> = moving.iter().map(|&s| of(s)).collect();
-        all.sort_unstable_by(f64::total_cmp);
-        [all.len() * 95 / 100, all.len().saturating_sub(1)].map(|i| all.get(i).copied().unwrap_or(0.0))
-    };
-    let [stop_p95_s, stop_worst_s] = p95(&|s| f64::from(stops[s].frames) / found.rate);
+    let at = |of: &dyn Fn(usize) -> f64, share| quantile(moving.iter().map(|&s| of(s)), share).unwrap_or(0.0);
+    let stop_s = |s: usize| f64::from(stops[s].frames) / found.rate;
     StopsReport {
         resting_states: stops.len() - moving.len(),
         slowing_states: moving.iter().filter(|&&s| slows(s)).count(),
-        stop_p95_s,
-        stop_worst_s,
-        stop_path_p95_m: p95(&stop_path)[0],
+        stop_p95_s: at(&stop_s, [95, 100]),
+        stop_worst_s: at(&stop_s, [1, 1]),
+        stop_path_p95_m: at(&stop_path, [95, 100]),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::graph::{GraphAction, GraphSegment, MotionApart, RawMotionGraph, State
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::PI;
-use throng_base::maths;
+use throng_base::maths::{self, quantile};
 use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 use throng_core::format::Gait;
 use throng_core::planar::wrap_angle;
@@ -131,10 +131,10 @@ impl Lacks {
         }
         let rests = graph.states.iter().zip(&graph.standing).filter(|(frame, s)| **s && is_own(**frame)).count();
         let changes = starts.min(stops);
-        let is_slow = stop_frames(graph, |s| is_own(s.start) && goes(&s)) / rate > STOP_S;
-        let mut turning: Vec<f32> = gaits.iter().flat_map(|g| g.sideways_mps2.iter().copied()).collect();
-        turning.sort_by(f32::total_cmp);
-        let captured = turning.get(turning.len() / 2).filter(|_| turning.len() as f64 * STEP_S > TURNING_S);
+        let is_slow = stop_frames(graph, is_own, |s| is_own(s.start) && goes(&s)) / rate > STOP_S;
+        let turning: Vec<f32> = gaits.iter().flat_map(|g| g.sideways_mps2.iter().copied()).collect();
+        let usual = quantile(turning.iter().copied(), [1, 2]);
+        let captured = usual.filter(|_| turning.len() as f64 * STEP_S > TURNING_S);
         let goes_straight = |g: usize| gaits[g].is_seen && gaits[g].turns_s.iter().any(|s| *s < TURNING_S);
         Self {
             starts: rests < LEAST_RESTS || changes < ENOUGH_STARTS,
@@ -151,11 +151,15 @@ impl Lacks {
 
 /// Least time from the ends of segments to a standing state, 90th percentile; infinite where nothing leads to one (frames).
 ///
-/// A stand in another manner counts, too.
-///
+/// - `is_own`: true for the frames of stands that count.
 /// - `counts`: true for the segments whose ends are looked at.
-pub(super) fn stop_frames(graph: &RawMotionGraph, counts: impl Fn(&GraphSegment) -> bool) -> f64 {
-    let mut left: Vec<f64> = graph.standing.iter().map(|&stands| if stands { 0.0 } else { f64::INFINITY }).collect();
+pub(super) fn stop_frames(
+    graph: &RawMotionGraph,
+    is_own: impl Fn(FrameId) -> bool,
+    counts: impl Fn(&GraphSegment) -> bool,
+) -> f64 {
+    let of_state = |(&stands, &frame): (&bool, &FrameId)| if stands && is_own(frame) { 0.0 } else { f64::INFINITY };
+    let mut left: Vec<f64> = graph.standing.iter().zip(&graph.states).map(of_state).collect();
     loop {
         let after = |action: &GraphAction| {
             let segment = &graph.segments[action.segment.0 as usize];
@@ -168,9 +172,8 @@ pub(super) fn stop_frames(graph: &RawMotionGraph, counts: impl Fn(&GraphSegment)
         }
         left = next;
     }
-    let mut times: Vec<f64> = graph.segments.iter().filter(|s| counts(s)).map(|s| left[s.end.0 as usize]).collect();
-    times.sort_unstable_by(f64::total_cmp);
-    times.get(times.len() * 9 / 10).copied().unwrap_or(0.0)
+    let times = graph.segments.iter().filter(|s| counts(s)).map(|s| left[s.end.0 as usize]);
+    quantile(times, [9, 10]).unwrap_or(0.0)
 }
 
 /// Manner that the name of a clip gives.

@@ -370,10 +370,11 @@ fn who_does_not_come_to_a_stand_soon_lacks_stops_and_turns_round() {
         actions: [0, 1, 2, 3, 4].map(action).to_vec(),
         ..Default::default()
     };
-    assert_eq!(needs::stop_frames(&hand, |_| true), 40.0);
-    assert_eq!(needs::stop_frames(&hand, |s| s.start == FrameId(40)), 20.0, "the last one alone");
+    assert_eq!(needs::stop_frames(&hand, |_| true, |_| true), 40.0);
+    assert_eq!(needs::stop_frames(&hand, |_| true, |s| s.start == FrameId(40)), 20.0, "the last one alone");
+    assert_eq!(needs::stop_frames(&hand, |f| f.0 > 0, |_| true), f64::INFINITY, "a stand in another manner");
     hand.actions[4] = action(3);
-    assert_eq!(needs::stop_frames(&hand, |_| true), f64::INFINITY);
+    assert_eq!(needs::stop_frames(&hand, |_| true, |_| true), f64::INFINITY);
 
     let mut set = library(&["walk_neutral_v110_g00", "walk_neutral_v150_g00", "idle_neutral"]);
     set.clips.extend(made_of(&set).clips);
