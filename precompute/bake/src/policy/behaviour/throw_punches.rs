@@ -101,8 +101,8 @@ impl ThrowPunches {
         let reach = bounds_of_hits(hits.iter().flatten().filter(counts)).ok_or_else(|| nothing_counts(hits))?;
         let (reward, costs) = c.make_reward(form, KernelConfig::Linear, SCALE, 1.0)?;
         let scale = reward.record().scale;
-        let grid = c.grid.make_cylinder(widen_volume(reach, scale), scale)?;
-        let above = if c.grid.bounds.height_m.is_some() { 0.0 } else { (1.0 - LAYERS_BEYOND) * scale };
+        let grid = c.grid.make_cylinder(widen_volume(reach, CELLS[0] * scale), CELLS[1] * scale)?;
+        let above = if c.grid.bounds.height_m.is_some() { 0.0 } else { scale };
         let region = c.region.make_region(false, region_of(&grid, reach, above))?;
         let spec = BehaviourSpec::new("", grid, reward, discount);
         let spec = BehaviourSpec { region, costs, adaptive: c.grid.adaptive, ..spec };
@@ -113,9 +113,9 @@ impl ThrowPunches {
 /// Default `scale`: distance of a hit from the target beyond which it has no reward (m).
 pub(super) const SCALE: f64 = 0.3;
 
-/// Distance of the outermost layers of the grid beyond the heights of hits, as a share of `scale`: who stands at `scale` from
-/// them is hardly ever hit, and layers there promise what lies between them and the next ones.
-const LAYERS_BEYOND: f32 = 0.5;
+/// Distance of the outermost cells of the grid beyond the hits over ground, and between its layers, which lie at the heights of
+/// hits, as shares of `scale`. Cells farther away or apart promise what no blow gives between them.
+const CELLS: [f32; 2] = [0.5, 0.4];
 /// Extent of the active region beyond the grid (m).
 const REACH_OUT: f32 = 1.0;
 
@@ -144,12 +144,12 @@ fn nothing_counts(hits: &[Vec<SegmentHit>]) -> BuildError {
     BuildError::key("hits", why)
 }
 
-/// Volume widened in every direction, less in height, so that its cells include hits slightly outside.
+/// Volume widened in every direction over ground, so that its cells include hits slightly outside.
 fn widen_volume([low, high]: [Vec3; 2], by: f32) -> [Vec3; 2] {
     /// Largest angle that is added (rad).
     const WIDEST: f32 = 0.5;
     let angle = (by / (0.5 * (low.y + high.y)).max(by)).min(WIDEST);
-    let by = Vec3::new(angle, by, LAYERS_BEYOND * by);
+    let by = Vec3::new(angle, by, 0.0);
     [low - by, high + by]
 }
 
@@ -233,9 +233,9 @@ mod tests {
         {
             assert_eq!(region.contains(place.into()), inside, "{place:?}");
         }
-        // Layers are where some blow lands, within half of what a reward reaches.
+        // Layers are where some blow lands.
         let layers = [0, b.spec.grid.num_cells() - 1].map(|cell| b.spec.grid.cell_coordinates(cell).z);
-        assert!((layers[0] - 1.05).abs() < 1e-3 && (layers[1] - 1.65).abs() < 1e-3, "{layers:?}");
+        assert!((layers[0] - 1.2).abs() < 1e-3 && (layers[1] - 1.5).abs() < 1e-3, "{layers:?}");
         // With one height, heights are those of the hits all the same.
         let mut flat = config();
         flat.grid.heights = Some(1);

@@ -14,8 +14,8 @@ use throng_motion::error::{BuildError, Result};
 /// Cells of the target. Absent settings depend on the behaviour's kind:
 ///
 /// - `approach`: polar, 16 rings x 32 angles over 8 m;
-/// - `throw_punches`: 10 rings x 10 angles over the bounding volume of the hits, `scale` wider, and 4 to 16 heights
-///   that are `scale` apart or less;
+/// - `throw_punches`: 8 rings x 12 angles over the bounding volume of the hits, half a `scale` wider over ground, and 4 to 16
+///   heights that are 0.4 of it apart or less;
 /// - `evade`: polar, 8 rings x 16 angles over 1.2 m, at 9 times over 0.8 s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -192,7 +192,7 @@ impl GridConfig {
         }
         (low.x, high.x, low.y) = (low.x.max(-PI), high.x.min(PI), low.y.max(0.0));
         let layers = (((high.z - low.z) / layer).ceil() as u32).clamp(LEAST_LAYERS - 1, MOST_LAYERS - 1) + 1;
-        let counts = [self.angles.unwrap_or(10), self.rings.unwrap_or(10), self.heights.unwrap_or(layers)];
+        let counts = [self.angles.unwrap_or(12), self.rings.unwrap_or(8), self.heights.unwrap_or(layers)];
         if counts[2] == 1 {
             low.z = 0.5 * (low.z + high.z);
         }
