@@ -85,10 +85,7 @@ pub struct BuildPlan<'a> {
 impl BuildPlan<'_> {
     /// Adds the file of the config to an error of the build.
     pub fn error(&self, e: BuildError) -> BuildError {
-        match self.file {
-            Some(file) => e.in_file(file),
-            None => e,
-        }
+        if let Some(file) = self.file { e.in_file(file) } else { e }
     }
 }
 

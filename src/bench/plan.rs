@@ -123,10 +123,7 @@ pub fn run(args: &Args) -> CommandResult {
         };
         results.push(figures(name, &samples, &ik, args.seeds));
     }
-    if args.json {
-        return output::json(&PlanBenchReport { results });
-    }
-    results.iter().try_for_each(print)
+    if args.json { output::json(&PlanBenchReport { results }) } else { results.iter().try_for_each(print) }
 }
 
 /// Expands folders to the task files in them, sorted by name.

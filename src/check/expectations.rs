@@ -7,10 +7,7 @@ use throng_simulation::Scene;
 
 /// Runs a scene where this is asked for.
 pub fn run(scene: &Scene, args: &super::Args) -> CommandResult<Vec<ExpectationReport>> {
-    if !args.run {
-        return Ok(Vec::new());
-    }
-    Ok(check_expectations(scene, args.seeds, &SceneRunConfig::default())?)
+    if args.run { Ok(check_expectations(scene, args.seeds, &SceneRunConfig::default())?) } else { Ok(Vec::new()) }
 }
 
 /// Outcomes as text: each with its figure, and the agents that break it.

@@ -51,10 +51,7 @@ pub enum Dock {
 impl PanelKind {
     /// Dock of the panel.
     pub fn dock(self) -> Dock {
-        match self {
-            Self::Graph | Self::Database | Self::Hits => Dock::Bottom,
-            _ => Dock::Side,
-        }
+        if matches!(self, Self::Graph | Self::Database | Self::Hits) { Dock::Bottom } else { Dock::Side }
     }
 }
 

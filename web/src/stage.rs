@@ -134,10 +134,7 @@ impl PageStage {
 
     /// Targets at which people gather (m).
     pub fn targets(&self) -> &[Vec2] {
-        match &self.crowd {
-            PageCrowd::People { targets, .. } => targets,
-            _ => &[],
-        }
+        if let PageCrowd::People { targets, .. } = &self.crowd { targets } else { &[] }
     }
 
     /// Moves a target.

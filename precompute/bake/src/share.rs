@@ -219,10 +219,7 @@ pub(crate) fn share_rows<T: Pod>(comm: &dyn Comm, row: usize, own: &mut Vec<T>, 
 /// # Errors
 /// [`throng_base::Error::Rank`].
 pub(crate) fn all_ranks_agree(comm: &dyn Comm, is_so: bool) -> Result<bool> {
-    if comm.num_ranks() == 1 {
-        return Ok(is_so);
-    }
-    Ok(comm.min(f64::from(u8::from(is_so)))? == 1.0)
+    if comm.num_ranks() == 1 { Ok(is_so) } else { Ok(comm.min(f64::from(u8::from(is_so)))? == 1.0) }
 }
 
 #[cfg(test)]

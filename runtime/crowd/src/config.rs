@@ -33,10 +33,7 @@ impl Scheme {
     /// Most events of one agent in a smallest interval: those that make it act, in `Occupancy` two of them, after each of
     /// which its bound enters and leaves the cells behind every face of a box and meets an agent or not.
     pub(crate) fn most_events(self) -> u32 {
-        match self {
-            Self::Occupancy => 2 * (1 + 2 * 6 + 2),
-            _ => 1,
-        }
+        if matches!(self, Self::Occupancy) { 2 * (1 + 2 * 6 + 2) } else { 1 }
     }
 }
 

@@ -57,10 +57,7 @@ impl BoundingBox {
 
     /// Box around this one, its corners mapped by a rigid transformation.
     pub fn mapped(&self, map: impl Fn(Vec3) -> Vec3) -> Self {
-        if self.is_empty() {
-            return Self::EMPTY;
-        }
-        Self::around_points(self.corners().map(map))
+        if self.is_empty() { Self::EMPTY } else { Self::around_points(self.corners().map(map)) }
     }
 
     /// Corners: x varies fastest, then y, then z.

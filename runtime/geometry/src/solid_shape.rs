@@ -52,10 +52,7 @@ impl SolidShape {
     /// True where a segment is nearer than `limit` (m).
     #[inline]
     pub fn is_nearer(&self, s: &Segment, limit: f64) -> bool {
-        match self {
-            Self::Mesh(mesh) => mesh.is_nearer(s, limit),
-            _ => self.distance(s, limit) < limit,
-        }
+        if let Self::Mesh(mesh) = self { mesh.is_nearer(s, limit) } else { self.distance(s, limit) < limit }
     }
 
     /// Middle and radius of a bounding ball (m).

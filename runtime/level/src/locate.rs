@@ -133,10 +133,7 @@ impl Level {
                 return best.1;
             }
         }
-        if best.0 == f32::NEG_INFINITY {
-            return self.triangles(polygon).first().map_or(0.0, |t| t[0][1]);
-        }
-        best.1
+        if best.0 == f32::NEG_INFINITY { self.triangles(polygon).first().map_or(0.0, |t| t[0][1]) } else { best.1 }
     }
 }
 

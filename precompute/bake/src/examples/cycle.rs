@@ -121,10 +121,7 @@ impl<'a> Cycle<'a> {
         let steps = StepCycle { start, left_off: end, right_strike: 0.5 * (start + end), right_off: end, end };
         let course = SteadyCourse::fit_to_track(&track, FacingTwist::default(), start, end);
         let cycle = Self::new(track.clone(), steps, course, CycleKind::Still);
-        if cycle.closing <= STILL_CLOSING {
-            return cycle;
-        }
-        Self::new(track, steps, course, CycleKind::Returning)
+        if cycle.closing <= STILL_CLOSING { cycle } else { Self::new(track, steps, course, CycleKind::Returning) }
     }
 
     fn new(track: ClipTrack<'a>, steps: StepCycle, course: SteadyCourse, kind: CycleKind) -> Self {

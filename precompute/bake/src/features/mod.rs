@@ -119,10 +119,7 @@ impl Features {
     /// Squared distance if at most `limit`; the velocities alone reject most unlike frames.
     pub fn squared_distance_within(&self, i: FrameId, j: FrameId, limit: f32) -> Option<f32> {
         let (a, b) = (&self.rows[i.0 as usize], &self.rows[j.0 as usize]);
-        if a.squared_linear(b) > limit {
-            return None;
-        }
-        Some(self.squared_distance(i, j)).filter(|&d| d <= limit)
+        if a.squared_linear(b) > limit { None } else { Some(self.squared_distance(i, j)).filter(|&d| d <= limit) }
     }
 }
 

@@ -57,10 +57,7 @@ pub(crate) fn squared_gap_within(a: &ProjectedPoint, b: &ProjectedPoint, limit: 
         sums.iter().sum::<f32>()
     };
     let first = half(0);
-    if first > limit {
-        return None;
-    }
-    Some(first + half(DIMS / 2)).filter(|&gap| gap <= limit)
+    if first > limit { None } else { Some(first + half(DIMS / 2)).filter(|&gap| gap <= limit) }
 }
 
 /// Largest squared distance of the points of frames at most `limit` apart.

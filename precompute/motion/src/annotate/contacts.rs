@@ -206,10 +206,8 @@ fn height_spread(tracks: &[JointHeights], slow: f32) -> f32 {
 /// of hands and seats, and places in patches are found by it.
 pub fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: usize) -> Vec<bool> {
     let mut out = vec![false; weak.len()];
-    for run in runs_where(0..weak.len(), |f| weak[f]) {
-        if strong[run.clone()].contains(&true) {
-            out[run].fill(true);
-        }
+    for run in runs_where(0..weak.len(), |f| weak[f]).into_iter().filter(|run| strong[run.clone()].contains(&true)) {
+        out[run].fill(true);
     }
     for gap in runs_where(0..out.len(), |f| !out[f]) {
         if gap.start > 0 && gap.end < out.len() && gap.len() <= max_gap {

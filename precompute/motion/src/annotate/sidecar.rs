@@ -128,10 +128,7 @@ impl SidecarPlace {
     /// An error at this place.
     pub fn fault(&self, why: impl std::fmt::Display) -> BuildError {
         let fault = BuildError::key(&self.key, why);
-        match &self.file {
-            Some(file) => fault.in_file(file),
-            None => fault,
-        }
+        if let Some(file) = &self.file { fault.in_file(file) } else { fault }
     }
 }
 

@@ -44,10 +44,8 @@ pub(super) fn split_performers(source: SourceClip) -> Vec<SourceClip> {
 /// The roots, or else the uppermost joints that hang on one joint, where two or more of them carry enough joints for a body.
 fn branches(joints: &[RawJoint]) -> Vec<usize> {
     let mut size: Vec<usize> = joints.iter().map(|j| usize::from(!j.is_end)).collect();
-    for j in (0..joints.len()).rev() {
-        if let Some(p) = joints[j].parent {
-            size[p] += size[j];
-        }
+    for (j, p) in (0..joints.len()).rev().filter_map(|j| Some((j, joints[j].parent?))) {
+        size[p] += size[j];
     }
     let below = |parent: Option<usize>| -> Vec<usize> {
         (0..joints.len()).filter(|&j| joints[j].parent == parent && size[j] >= LEAST_JOINTS).collect()

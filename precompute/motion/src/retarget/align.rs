@@ -41,10 +41,8 @@ pub fn align(body: &SourceBody) -> Alignment {
         a[foot.index()] = foot_alignment(body, side, shin, foot, toe, &a);
         a[toe.index()] = toe_alignment(body, side, foot, toe, &a);
     }
-    for j in Joint::ALL {
-        if !body.has(j) {
-            a[j.index()] = a[super::body::anchor(&body.roles, j).index()];
-        }
+    for j in Joint::ALL.into_iter().filter(|&j| !body.has(j)) {
+        a[j.index()] = a[super::body::anchor(&body.roles, j).index()];
     }
     a
 }

@@ -85,10 +85,7 @@ impl RetargetConfig {
     /// # Errors
     /// [`BuildError::Key`] for a name that is no joint, an offset that is too long, or a leg without length.
     pub fn check(&self) -> Result<()> {
-        match &self.proportions {
-            Proportions::Explicit(explicit) => explicit.skeleton().map(|_| ()),
-            _ => Ok(()),
-        }
+        if let Proportions::Explicit(explicit) = &self.proportions { explicit.skeleton().map(|_| ()) } else { Ok(()) }
     }
 }
 

@@ -211,19 +211,16 @@ impl Problem {
             let time_s = (from + step as f64 * DRIVEN_STEP_S).min(to);
             for body in self.bodies.iter().filter(|b| b.character.is_none()) {
                 let core = body.track.sample_at(time_s);
-                for solid in &self.solids {
-                    if !may_touch(spec, body.joint, &solid.solid.name, time_s) {
-                        let place = solid.solid.path.place_at(time_s);
-                        let local = core.map(|p| place.local_point(p));
-                        let gap = solid.solid.shape.distance(&local, body.radius) - body.radius;
-                        tell(body.joint, &|| solid.solid.name.clone(), time_s, -gap);
-                    }
+                for solid in self.solids.iter().filter(|s| !may_touch(spec, body.joint, &s.solid.name, time_s)) {
+                    let place = solid.solid.path.place_at(time_s);
+                    let local = core.map(|p| place.local_point(p));
+                    let gap = solid.solid.shape.distance(&local, body.radius) - body.radius;
+                    tell(body.joint, &|| solid.solid.name.clone(), time_s, -gap);
                 }
-                for other in self.bodies.iter().filter(|b| b.character.is_some()) {
-                    if !may_touch(spec, body.joint, other.character.as_deref().unwrap_or_default(), time_s) {
-                        let gap = core.distance(&other.track.sample_at(time_s)) - body.radius - other.radius;
-                        tell(body.joint, &|| other.name(), time_s, -gap);
-                    }
+                let is_other = |who: &str| !may_touch(spec, body.joint, who, time_s);
+                for other in self.bodies.iter().filter(|b| b.character.as_deref().is_some_and(is_other)) {
+                    let gap = core.distance(&other.track.sample_at(time_s)) - body.radius - other.radius;
+                    tell(body.joint, &|| other.name(), time_s, -gap);
                 }
             }
         }

@@ -16,6 +16,7 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_base::Error;
+use throng_base::error::ensure;
 use throng_base::text::TomlSource;
 use throng_core::{Joint, Skeleton};
 use throng_geometry::{Segment, SolidShape};
@@ -351,9 +352,8 @@ impl PlannerEntry {
             ("margin_s", self.margin_s, 0.03, 10.0),
         ];
         for (key, value, least, most) in ranges {
-            if !(least..=most).contains(&value) {
-                return Err((key, format!("planner.{key}: expected {least} to {most}, found {value}")));
-            }
+            let why = || format!("planner.{key}: expected {least} to {most}, found {value}");
+            ensure((least..=most).contains(&value), || (key, why()))?;
         }
         let mut config = CorrectConfig::default();
         config.budget = Budget { draws: self.draws, seconds: self.budget_s, seed: self.seed, ..config.budget };

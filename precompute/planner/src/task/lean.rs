@@ -106,10 +106,7 @@ impl BendingTrunk<'_> {
             let off = (weight - centre_of_mass(&place_joints(self.skeleton, out.0, &out.1))).with_y(0.0);
             out.0 += off;
         }
-        if (out.0 - pose.0).with_y(0.0).length() > HIPS_M {
-            return None;
-        }
-        self.place_feet(out, &before)
+        if (out.0 - pose.0).with_y(0.0).length() > HIPS_M { None } else { self.place_feet(out, &before) }
     }
 
     /// Moves the legs so that feet stay where they were.
@@ -200,11 +197,9 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
         if trunk.balances {
             clip.root_positions[f] = root.as_vec3();
         }
-        for (j, (a, b)) in old.1.iter().zip(&turns).enumerate() {
-            if angle_between(*a, *b) > 1e-9 {
-                let (i, new) = (f * NUM_JOINTS + j, b.as_quat().normalize());
-                clip.rotations[i] = if new.dot(clip.rotations[i]) < 0.0 { -new } else { new };
-            }
+        for (j, (_, b)) in old.1.iter().zip(&turns).enumerate().filter(|(_, (a, b))| angle_between(**a, **b) > 1e-9) {
+            let (i, new) = (f * NUM_JOINTS + j, b.as_quat().normalize());
+            clip.rotations[i] = if new.dot(clip.rotations[i]) < 0.0 { -new } else { new };
         }
     }
     for f in frames.clone().skip(1) {

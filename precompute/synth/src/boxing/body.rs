@@ -86,11 +86,10 @@ fn feet(script: &BoxingScript, postures: &[BoxingPosture], samples: &Samples) ->
 /// Marks heels that move over the ground while the foot turns on its ball as not carrying.
 fn lift_turning_heels(feet: &mut [[FootPose; 2]], i: usize, dt: f64) {
     let ankles: Vec<DVec3> = feet.iter().map(|f| f[i].ankle).collect();
-    for (k, pair) in ankles.windows(2).enumerate() {
-        if pair[0].distance(pair[1]) > HEEL_SPEED * dt {
-            feet[k][i].heel_down = false;
-            feet[k + 1][i].heel_down = false;
-        }
+    let moves = |pair: &[DVec3]| pair[0].distance(pair[1]) > HEEL_SPEED * dt;
+    for (k, _) in ankles.windows(2).enumerate().filter(|(_, pair)| moves(pair)) {
+        feet[k][i].heel_down = false;
+        feet[k + 1][i].heel_down = false;
     }
 }
 

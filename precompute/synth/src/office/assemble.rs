@@ -86,10 +86,9 @@ fn contacts(script: &MotionScript, t: f64) -> Contacts {
     if seated_at(script, t).carried {
         out.insert(Contacts::SEAT);
     }
-    for (rests, bit) in script.rests.iter().zip([Contacts::LEFT_HAND, Contacts::RIGHT_HAND]) {
-        if rests.iter().any(|[from, to]| (*from..=*to).contains(&t)) {
-            out.insert(bit);
-        }
+    let hands = script.rests.iter().zip([Contacts::LEFT_HAND, Contacts::RIGHT_HAND]);
+    for (_, bit) in hands.filter(|(rests, _)| rests.iter().any(|[from, to]| (*from..=*to).contains(&t))) {
+        out.insert(bit);
     }
     out
 }

@@ -169,10 +169,7 @@ impl<R: Rng> GymVisit<'_, R> {
 
     /// Approximate duration so far (s).
     fn seconds(&self) -> f64 {
-        let leg = |leg: &VisitLeg| match leg {
-            VisitLeg::Walk(route) => route.seconds(),
-            _ => 8.0,
-        };
+        let leg = |leg: &VisitLeg| if let VisitLeg::Walk(route) = leg { route.seconds() } else { 8.0 };
         self.legs.iter().map(leg).sum::<f64>() + self.route.seconds()
     }
 

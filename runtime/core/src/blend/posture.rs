@@ -77,10 +77,7 @@ const SMOOTH_S: [f32; 2] = [1.0 / 120.0, 1.0 / 60.0];
 
 /// Share of cubic paths for a time between postures (0 to 1); none where somebody is posed again and no time passes.
 pub(crate) fn smooth_share(dt_s: f32) -> f32 {
-    if dt_s <= 0.0 {
-        return 0.0;
-    }
-    ((SMOOTH_S[1] - dt_s) / (SMOOTH_S[1] - SMOOTH_S[0])).clamp(0.0, 1.0)
+    if dt_s <= 0.0 { 0.0 } else { ((SMOOTH_S[1] - dt_s) / (SMOOTH_S[1] - SMOOTH_S[0])).clamp(0.0, 1.0) }
 }
 
 impl BlendSpace {

@@ -79,10 +79,7 @@ impl FrameFit {
         }
         let square = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).sum::<f32>();
         let places = square(&self.places, &other.places);
-        if places > limit * limit {
-            return f32::INFINITY;
-        }
-        (places + square(&self.moves, &other.moves)).sqrt()
+        if places > limit * limit { f32::INFINITY } else { (places + square(&self.moves, &other.moves)).sqrt() }
     }
 }
 

@@ -139,10 +139,7 @@ impl PolicyOrder {
 
     /// Turn that is left to a heading that it orders (rad).
     pub(super) fn turn_left(&self, from: f32) -> f32 {
-        match self.stands {
-            StandOrder::Turn(heading) => wrap_angle(heading - from),
-            _ => 0.0,
-        }
+        if let StandOrder::Turn(heading) = self.stands { wrap_angle(heading - from) } else { 0.0 }
     }
 
     /// Replaces the target of all behaviours (m).

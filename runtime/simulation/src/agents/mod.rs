@@ -16,7 +16,7 @@ pub use things::HandlingCounts;
 use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, single_pose};
 use crate::scenario::{AgentBrains, ScenarioStage};
-use crate::scene::GroupMotion;
+use crate::scene::{GroupConfig, GroupMotion};
 use crate::{CharacterEvent, SimulationEvent};
 use followers::Followers;
 use glam::{Quat, Vec2, Vec3};
@@ -73,12 +73,11 @@ impl<V: Space> SceneAgents<V> {
             m = outside.layout.companions_of(m).end;
         }
         let mut agents = Self { stage: outside, brains: None, followers: Vec::new(), recorded: None, timings: None };
-        for (g, group) in scene.groups.iter().enumerate() {
-            if group.is_of_agents() && group.motion == GroupMotion::Blend {
-                let bodies = Followers::new(compiled, g, &agents)?;
-                agents.stage.things.register_bodies(&bodies);
-                agents.followers.push(bodies);
-            }
+        let has_bodies = |group: &GroupConfig| group.is_of_agents() && group.motion == GroupMotion::Blend;
+        for (g, _) in scene.groups.iter().enumerate().filter(|(_, group)| has_bodies(group)) {
+            let bodies = Followers::new(compiled, g, &agents)?;
+            agents.stage.things.register_bodies(&bodies);
+            agents.followers.push(bodies);
         }
         if let Some(scenario) = compiled.scenario() {
             let doors: Vec<bool> = scene.environment.doors.iter().map(|d| d.open).collect();

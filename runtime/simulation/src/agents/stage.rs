@@ -80,10 +80,8 @@ impl<V: Space> CrowdStage<V> {
         let ids: Vec<Option<Id>> = is_there.iter().map(|&is| if is { names.next() } else { None }).collect();
         drop(names);
         let mut agent_of = vec![0; num];
-        for (m, id) in ids.iter().enumerate() {
-            if let Some(id) = id {
-                agent_of[id.index()] = m as u32;
-            }
+        for (m, id) in (0..).zip(&ids).filter_map(|(m, id)| Some((m, (*id)?))) {
+            agent_of[id.index()] = m;
         }
         Ok(Self {
             crowd,

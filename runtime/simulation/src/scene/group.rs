@@ -322,14 +322,8 @@ impl GroupConfig {
 
     /// Places of the level at which its people start, and to which they go; none for a group that is not on all floors.
     pub fn level_places(&self) -> [Option<&[String]>; 2] {
-        let starts = match &self.place {
-            Some(PlaceConfig::Level { names }) => Some(&names[..]),
-            _ => None,
-        };
-        let goals = match &self.goal {
-            Some(GoalConfig::Level { names }) => Some(&names[..]),
-            _ => None,
-        };
+        let starts = if let Some(PlaceConfig::Level { names }) = &self.place { Some(&names[..]) } else { None };
+        let goals = if let Some(GoalConfig::Level { names }) = &self.goal { Some(&names[..]) } else { None };
         [starts, goals]
     }
 

@@ -114,9 +114,7 @@ fn for_each_other(graph: &WorldGraph, instance: u32, mut visit: impl FnMut(u32))
     let num_edges = graph.patches().patches[r.patch as usize].num_edges;
     let edges = r.first_neighbour..r.first_neighbour + num_edges;
     edges.filter_map(|slot| graph.bounds.neighbour(graph, slot)).for_each(&mut visit);
-    for (k, a, _) in graph.adjacencies(instance) {
-        if graph.bounds.is_open_outwards(k) {
-            visit(a.other);
-        }
+    for (_, a, _) in graph.adjacencies(instance).filter(|(k, ..)| graph.bounds.is_open_outwards(*k)) {
+        visit(a.other);
     }
 }

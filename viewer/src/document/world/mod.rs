@@ -141,10 +141,7 @@ impl WorldDocument {
     /// # Errors
     /// [`throng_core::Error`] where a step cannot be taken.
     pub fn step(&mut self) -> throng_core::Result<()> {
-        if self.working.is_some() {
-            return Ok(());
-        }
-        self.run.step()
+        if self.working.is_some() { Ok(()) } else { self.run.step() }
     }
 
     /// Gives a character an order; none lets it decide for itself.

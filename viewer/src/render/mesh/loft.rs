@@ -110,10 +110,7 @@ impl Loft<'_> {
 
 /// One triangle, or two along a diagonal of a quad.
 fn triangles(corners: &[u32]) -> Vec<u32> {
-    match *corners {
-        [a, b, c, d] => vec![a, b, c, a, c, d],
-        _ => corners.to_vec(),
-    }
+    if let [a, b, c, d] = *corners { vec![a, b, c, a, c, d] } else { corners.to_vec() }
 }
 
 /// Area-weighted directions of the faces around every point. Unit.

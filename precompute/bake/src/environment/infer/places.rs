@@ -68,10 +68,9 @@ pub fn find_touches(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Ve
             out.extend(body.touch_in_run(TouchKind::Hand, part, run, 1));
         }
     }
-    for run in body.slow_runs(clip, Joint::Hips, SEATED_MPS, SHORTEST[1]) {
-        if body.is_seated(run.start.midpoint(run.end)) {
-            out.extend(body.touch_in_run(TouchKind::Seat, SEAT, run, 0));
-        }
+    let sits = |run: &FrameRange| body.is_seated(run.start.midpoint(run.end));
+    for run in body.slow_runs(clip, Joint::Hips, SEATED_MPS, SHORTEST[1]).into_iter().filter(sits) {
+        out.extend(body.touch_in_run(TouchKind::Seat, SEAT, run, 0));
     }
     out
 }
@@ -109,10 +108,7 @@ impl JointTracks {
     fn touch_in_run(&self, kind: TouchKind, part: usize, run: FrameRange, middle: usize) -> Option<InferredTouch> {
         let probes = self.probes.points_of(part);
         let track: Vec<Vec3> = run.clone().map(|f| probes[middle].position(&self.transforms[f])).collect();
-        let far = match kind {
-            TouchKind::Hand => Joint::UpperChest,
-            _ => Joint::Hips,
-        };
+        let far = if matches!(kind, TouchKind::Hand) { Joint::UpperChest } else { Joint::Hips };
         let rest = run.clone().zip(&track).map(|(f, p)| self.joint(f, far) - *p);
         let (moved, body) = (longest_side(track.iter().copied()), longest_side(rest));
         // Standing still on the ground says nothing about other heights; a seated body does not move.

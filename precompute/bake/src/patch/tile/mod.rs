@@ -119,10 +119,7 @@ fn all_links(search: &TileSearch) -> Vec<LinkRecord> {
     let begins = |i: &u32| search.layout.spots[*i as usize].kind != SpotKind::Exit;
     let spots = (0..search.layout.spots.len() as u32).filter(begins);
     let turned = search.layout.quarter_turn();
-    let from: Vec<u32> = match &turned {
-        Some(turned) => first_turns(turned, spots),
-        None => spots.collect(),
-    };
+    let from: Vec<u32> = if let Some(turned) = &turned { first_turns(turned, spots) } else { spots.collect() };
     let found = from.par_iter().flat_map_iter(|&s| search.links_from(s));
     let mut links: Vec<LinkRecord> = match &turned {
         Some(turned) => found.flat_map_iter(|l| all_turns(turned, l)).collect(),

@@ -115,10 +115,7 @@ fn drop_stuck_entries(graph: &TileGraph, left: &mut PrunedTile) {
 fn exit_edges(graph: &TileGraph, left: &PrunedTile) -> Vec<Vec<u32>> {
     let mut reached = vec![Vec::new(); graph.cells.len()];
     for (&(from, to), _) in graph.links.iter().zip(&left.links).filter(|(_, left)| **left) {
-        let way = match graph.cells[to as usize] {
-            TileCell::Exit(edge, _) => edge,
-            _ => NONE,
-        };
+        let way = if let TileCell::Exit(edge, _) = graph.cells[to as usize] { edge } else { NONE };
         let of: &mut Vec<u32> = &mut reached[from as usize];
         if !of.contains(&way) {
             of.push(way);

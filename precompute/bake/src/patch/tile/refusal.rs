@@ -73,10 +73,7 @@ fn count_met(region: &TileOutline, graph: &TileGraph) -> String {
 /// First condition that no entry meets, and the motion that would help.
 fn first_unmet(source: &TileSource, region: &TileOutline, graph: &TileGraph) -> Option<(String, String)> {
     const EDIT: &str = "or allow more editing (edit_m_per_m, edit_deg_per_m)";
-    let enters = |from: u32| match graph.cells[from as usize] {
-        TileCell::Entry(edge) => Some(edge),
-        _ => None,
-    };
+    let enters = |from: u32| if let TileCell::Entry(edge) = graph.cells[from as usize] { Some(edge) } else { None };
     if !graph.cells.iter().any(|c| matches!(c, TileCell::Entry(_))) {
         return Some((
             "no pose is common where its edges are crossed".to_owned(),

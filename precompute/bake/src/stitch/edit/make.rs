@@ -108,10 +108,8 @@ impl Stitcher<'_> {
         }
         let has = |i: usize, what: ComponentMembership| judged.component.has_membership(judged.joined, i as u32, what);
         let mut reached = vec![false; environment.units.len()];
-        for (i, f) in placed.fitted.iter().enumerate() {
-            if has(i, ComponentMembership::Inside) {
-                f.units.iter().for_each(|&u| reached[u as usize] = true);
-            }
+        for (_, f) in placed.fitted.iter().enumerate().filter(|(i, _)| has(*i, ComponentMembership::Inside)) {
+            f.units.iter().for_each(|&u| reached[u as usize] = true);
         }
         let left: Vec<usize> =
             (0..reached.len()).filter(|&u| !reached[u] && !self.placer.is_obstacle(environment, u)).collect();

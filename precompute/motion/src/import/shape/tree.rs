@@ -102,10 +102,8 @@ impl<'a> SkeletonTree<'a> {
 
 fn rows(children: &[Vec<usize>], clip: &RawClip) -> Vec<[usize; 2]> {
     let mut sizes = vec![1; children.len()];
-    for (j, joint) in clip.joints.iter().enumerate().rev() {
-        if let Some(p) = joint.parent {
-            sizes[p] += sizes[j];
-        }
+    for (j, p) in clip.joints.iter().enumerate().rev().filter_map(|(j, joint)| Some((j, joint.parent?))) {
+        sizes[p] += sizes[j];
     }
     let mut rows = vec![[0; 2]; children.len()];
     let mut free = 0;

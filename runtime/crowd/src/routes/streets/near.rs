@@ -77,12 +77,11 @@ impl EdgeGrid {
             });
         }
         edges.edges = CellLists::new(std::mem::take(&mut pairs), side * side);
-        for (n, (low, high)) in (0..).zip(bounds) {
-            if matches!(outlines[n as usize], ObstacleOutline::Polygon(_)) {
-                let [from, to] = [edges.cell_at(*low), edges.cell_at(*high)];
-                let cells = (from[1]..=to[1]).flat_map(|row| (from[0]..=to[0]).map(move |c| row * side + c));
-                pairs.extend(cells.map(|cell| (cell as u32, n)));
-            }
+        let is_polygon = |n: u32| matches!(outlines[n as usize], ObstacleOutline::Polygon(_));
+        for (n, (low, high)) in (0..).zip(bounds).filter(|(n, _)| is_polygon(*n)) {
+            let [from, to] = [edges.cell_at(*low), edges.cell_at(*high)];
+            let cells = (from[1]..=to[1]).flat_map(|row| (from[0]..=to[0]).map(move |c| row * side + c));
+            pairs.extend(cells.map(|cell| (cell as u32, n)));
         }
         edges.polygons = CellLists::new(pairs, side * side);
         edges.all = all;

@@ -70,10 +70,7 @@ impl Scenario {
     /// # Errors
     /// [`throng_base::Error::Text`] with file, line, column, and the nearest name that is known.
     pub fn new(scene: &Scene, primitives: &ActionRegistry) -> Result<Option<Self>> {
-        if !scene.has_story() {
-            return Ok(None);
-        }
-        Self::compile(scene, primitives).map(Some)
+        if scene.has_story() { Self::compile(scene, primitives).map(Some) } else { Ok(None) }
     }
 
     /// Compiles a scene, whether it has a story or not.
