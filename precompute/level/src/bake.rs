@@ -11,8 +11,6 @@ use throng_level::{
 
 /// Distance of a link's end from the ground (m).
 const LINK_NEAR_M: f32 = 1.5;
-/// Largest difference between the heights of a wall's ends (m).
-const MOST_RISE_M: f32 = 0.5;
 /// Parts of the ground that are smaller than this, such as the top of a cupboard, are left out (m^2).
 const SMALLEST_PART_M2: f32 = 2.0;
 /// Metres of a walk that cost as much as a link, and that each metre of height adds to it.
@@ -310,14 +308,8 @@ fn add_walls(data: &mut LevelData, source: &LevelSource, settings: &LevelSetting
         |own: &Vec<u32>| -> Vec<[u32; 2]> { (0..own.len()).map(|k| [own[k], own[(k + 1) % own.len()]]).collect() };
     let edges: HashSet<[u32; 2]> = ground.polygons.iter().flat_map(ring).collect();
     let walls = ground.polygons.iter().flat_map(ring).filter(|[a, b]| !edges.contains(&[*b, *a]));
-    // Those beside ramps are parted by height, as one floor is below the upper end and another one at the lower.
-    let parted = walls.flat_map(|ends| {
-        let [from, to] = ends.map(|v| ground.vertices[v as usize]);
-        let num = ((to.y - from.y).abs() / MOST_RISE_M).ceil().max(1.0) as usize;
-        let at = move |k: usize| from.lerp(to, k as f32 / num as f32).to_array();
-        (0..num).map(move |k| LevelWall { from: at(k), to: at(k + 1) })
-    });
-    data.walls = parted.collect();
+    let at = |v: u32| ground.vertices[v as usize].to_array();
+    data.walls = walls.map(|[a, b]| LevelWall { from: at(a), to: at(b) }).collect();
     Ok(())
 }
 

@@ -147,11 +147,15 @@ fn walls_beside_ramps_are_of_one_floor_each() {
     let mut rises = 0;
     for (name, shape) in SHAPES {
         let (level, _) = level_of(&source(shape));
-        for wall in level.walls() {
-            let rise = (wall.to[1] - wall.from[1]).abs();
-            assert!(rise < 0.51, "{name}: {wall:?}");
+        let mut length = 0.0;
+        for [from, to] in level.walls_of_floors() {
+            let rise = (to.y - from.y).abs();
+            assert!(rise < 0.51, "{name}: {from} to {to}");
             rises += u32::from(rise > 0.1);
+            length += from.distance(to);
         }
+        let whole: f32 = level.walls().iter().map(|w| Vec3::from(w.from).distance(w.to.into())).sum();
+        assert!((length - whole).abs() < 1e-3 * whole, "{name}: {length} m of {whole} m");
     }
     assert!(rises > 10, "{rises} walls are beside ramps");
 }

@@ -10,6 +10,8 @@ use throng_base::{Error, Result, error::ensure};
 
 /// Most links: the table of their costs grows with the square.
 const MAX_LINKS: usize = 1000;
+/// Largest difference between the heights of the ends of a wall of one floor (m).
+const MOST_RISE_M: f32 = 0.5;
 /// Coordinates are smaller than this (m).
 const FARTHEST_M: f32 = 1e5;
 
@@ -122,6 +124,16 @@ impl Level {
     /// Borders of the ground.
     pub fn walls(&self) -> &[LevelWall] {
         &self.0.walls
+    }
+
+    /// Ends of the borders of the ground (m), parted so that each is on one floor: somebody may walk below the upper end of a ramp.
+    pub fn walls_of_floors(&self) -> impl Iterator<Item = [Vec3; 2]> + '_ {
+        self.walls().iter().flat_map(|wall| {
+            let [from, to] = [wall.from, wall.to].map(Vec3::from);
+            let num = ((to.y - from.y).abs() / MOST_RISE_M).ceil().max(1.0) as usize;
+            let at = move |k: usize| from.lerp(to, k as f32 / num as f32);
+            (0..num).map(move |k| [at(k), at(k + 1)])
+        })
     }
 
     /// Links.

@@ -337,8 +337,7 @@ fn ground_of_level(level: &Level) -> Result<HeightField> {
 
 /// Walls of a level.
 fn walls_of_level(level: &Level) -> impl Iterator<Item = FloorWall> {
-    level.walls().iter().map(|wall| {
-        let [from, to] = [wall.from, wall.to].map(Vec3::from);
+    level.walls_of_floors().map(|[from, to]| {
         let heights_m = [from.y.min(to.y), from.y.max(to.y)];
         FloorWall { wall: Capsule2d { from: from.xz(), to: to.xz(), radius_m: 0.0 }, heights_m }
     })

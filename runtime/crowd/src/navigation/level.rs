@@ -31,33 +31,31 @@ pub(super) struct LevelRoutes {
     path: LevelPath,
     /// Heights of the subgoals of each body (m).
     heights: Vec<Vec<f32>>,
-    walls: BoxGrid,
-    /// Lowest and highest ground at each wall (m).
-    wall_heights: Vec<[f32; 2]>,
+    /// Ends of the walls, each of one floor (m), and boxes around them.
+    walls: Vec<[Vec3; 2]>,
+    boxes: BoxGrid,
 }
 
 impl LevelRoutes {
     /// Routes over a level, and its walls.
     pub fn new(level: &Level) -> (Self, Vec<ConvexSolid<Vec2>>) {
-        let mut walls = BoxGrid::with_capacity(level.walls().len());
-        let mut wall_heights = Vec::with_capacity(level.walls().len());
-        let solid = |(number, wall): (usize, &throng_level::LevelWall)| {
-            let [from, to] = [wall.from, wall.to].map(|at| Vec3::from(at).xz());
-            walls.set(number, Bounds2d { min: from.min(to), max: from.max(to) });
-            wall_heights.push([wall.from[1].min(wall.to[1]), wall.from[1].max(wall.to[1])]);
+        let walls: Vec<[Vec3; 2]> = level.walls_of_floors().collect();
+        let mut boxes = BoxGrid::with_capacity(walls.len());
+        let solid = |(number, wall): (usize, &[Vec3; 2])| {
+            let [from, to] = wall.map(|at| at.xz());
+            boxes.set(number, Bounds2d { min: from.min(to), max: from.max(to) });
             ConvexSolid::Capsule { from, to, radius: 0.0 }
         };
-        let solids = level.walls().iter().enumerate().map(solid).collect();
-        let routes =
-            Self { level: level.clone(), path: LevelPath::default(), heights: Vec::new(), walls, wall_heights };
-        (routes, solids)
+        let solids = walls.iter().enumerate().map(solid).collect();
+        (Self { level: level.clone(), path: LevelPath::default(), heights: Vec::new(), walls, boxes }, solids)
     }
 
     /// Passages in which streams of people of a radius (m) would block each other, on all floors: doors, stairs.
     pub fn find_passages(&self, radius_m: f32) -> Result<Passages> {
         let wall = |w: &throng_level::LevelWall| Obstacle::Wall { from: w.from.into(), to: w.to.into(), radius: 0.0 };
         let walls: Vec<Obstacle> = self.level.walls().iter().map(wall).collect();
-        let streets = Streets::of_level(&walls, self.wall_heights.clone(), radius_m)?;
+        let heights = self.level.walls().iter().map(|w| [w.from[1].min(w.to[1]), w.from[1].max(w.to[1])]);
+        let streets = Streets::of_level(&walls, heights.collect(), radius_m)?;
         Ok(Passages::find_below(&streets, radius_m, &NARROW_RADII.map(|radii| [radii * radius_m, NARROW_M])))
     }
 
@@ -136,9 +134,8 @@ impl LevelRoutes {
     fn free_distance(&self, corner: Vec3, along: Vec2) -> f32 {
         let (at, mut free_m) = (corner.xz(), WIDEST_M + WALL_ROOM_M);
         let end = at + along * free_m;
-        self.walls.visit_intersecting(&Bounds2d { min: at.min(end), max: at.max(end) }, |wall| {
-            let [from, to] =
-                [self.level.walls()[wall].from, self.level.walls()[wall].to].map(|p| Vec3::from(p).xz() - at);
+        self.boxes.visit_intersecting(&Bounds2d { min: at.min(end), max: at.max(end) }, |wall| {
+            let [from, to] = self.walls[wall].map(|p| p.xz() - at);
             let across = along.perp_dot(to - from);
             let share = -along.perp_dot(from) / across;
             let distance = (from + (to - from) * share).dot(along);
@@ -151,7 +148,8 @@ impl LevelRoutes {
     }
 
     fn is_wall_on_floor(&self, wall: usize, height_m: f32) -> bool {
-        is_one_floor(self.wall_heights[wall], [height_m; 2])
+        let [from, to] = self.walls[wall].map(|at| at.y);
+        is_one_floor([from.min(to), from.max(to)], [height_m; 2])
     }
 
     /// Walls of a body's floor within a distance of it, the nearest where there are many; returns their number.
@@ -163,7 +161,7 @@ impl LevelRoutes {
         near: &mut [u32; MOST_SEEN],
     ) -> usize {
         let (mut distances, mut num) = ([0.0; MOST_SEEN], 0);
-        self.walls.visit_intersecting(&Bounds2d::around_disc(body.position, reach_m), |wall| {
+        self.boxes.visit_intersecting(&Bounds2d::around_disc(body.position, reach_m), |wall| {
             let distance = solids[wall].direction_and_distance(body.position).1;
             let is_here = self.is_wall_on_floor(wall, body.height_m) && distance < reach_m;
             let at = distances[..num].partition_point(|d| *d <= distance);
