@@ -79,7 +79,8 @@ impl Inhabitants {
             }
             // No character reaches its place through the future place of its partner.
             let partners = self.place_of_partner(c);
-            let (reservations, impatient) = (&self.reservations, self.states[c].impatience > 0);
+            let reservations = &self.reservations;
+            let impatient = self.states[c].impatience > 0 || self.states[c].tries[1] > 0;
             let (states, rate_hz) = (&self.states, self.rate_hz);
             let toll = |i: u32| {
                 if partners == Some(i) {
