@@ -350,7 +350,7 @@ mod tests {
         }
         for bad in ["stuk_at_end", "services.bred.served", "services.bread.serves"] {
             let why = told(bad).unwrap();
-            assert!(why.contains("a.toml:27:") && why.contains(bad) && why.contains("`throng run --json`"), "{why}");
+            assert!(why.contains("a.toml:26:") && why.contains(bad) && why.contains("`throng run --json`"), "{why}");
         }
     }
 }
