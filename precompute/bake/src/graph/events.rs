@@ -129,7 +129,7 @@ pub(crate) fn holds_arm_out(joints: &[Vec3; NUM_JOINTS]) -> bool {
     ARMS.iter().any(|&arm| is_held_out(joints, arm))
 }
 
-/// True for such an arm.
+/// True for an arm (shoulder, elbow, wrist) that [`holds_arm_out`] counts.
 pub(crate) fn is_held_out(joints: &[Vec3; NUM_JOINTS], arm: [Joint; 3]) -> bool {
     let [shoulder, elbow, wrist] = arm.map(|j| joints[j.index()]);
     let reach = wrist - shoulder;

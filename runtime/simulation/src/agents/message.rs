@@ -4,7 +4,7 @@ use super::layout::CrowdLayout;
 use throng_base::Error;
 use throng_crowd::{CrowdError, Id, NoPath, Space};
 
-/// Way out where there is no path.
+/// Advice where there is no path.
 pub(super) const NO_PATH_HELP: &str =
     "move it, open a gap in the obstacles that is wide enough, or set `agents.routes = false`";
 

@@ -23,12 +23,12 @@ const JOIN_S: f64 = 0.5;
 /// Clearance from walls of a place that is seen (m), and most draws of one.
 const NEAR_M: f32 = 0.5;
 const NEAR_TRIES: u32 = 20;
-/// Clearance from walls of the line along which an agent flees (m), number of directions that are tried, and of positions on each.
-const FLEES_M: f32 = 0.2;
-const FLEES_WAYS: u32 = 9;
-const FLEES_STEPS: u32 = 10;
-/// Time between two looks for a way to flee (s).
-const FLEES_S: f64 = 0.5;
+/// Clearance from walls of the line along which an agent flees (m), number of directions that are tried, and of positions in each.
+const FLEE_CLEARANCE_M: f32 = 0.2;
+const FLEE_DIRECTIONS: u32 = 9;
+const FLEE_STEPS: u32 = 10;
+/// Time after which an agent that flees looks again for a place (s).
+const FLEE_AGAIN_S: f64 = 0.5;
 /// Largest amount of an argument of an action; larger ones are clamped.
 pub(super) const MAX_AMOUNT: f64 = 1e9;
 
@@ -178,7 +178,7 @@ impl AgentBrains {
         }
         if let WalkCommand::Away { from, at, arrival_m } = command.walk {
             let to = farthest_seen(stage, [from, position, at]);
-            command.again_s = if to.is_some_and(|to| to.distance(at) < SLOT_M) { 0.0 } else { FLEES_S };
+            command.again_s = if to.is_some_and(|to| to.distance(at) < SLOT_M) { 0.0 } else { FLEE_AGAIN_S };
             command.walk = to.map_or(WalkCommand::Halt, |at| WalkCommand::To { at, arrival_m });
         }
         let own = self.brains[m].slot;
@@ -461,15 +461,15 @@ impl AgentBrains {
 /// Position that an agent sees and that is farthest from a threat, of those on straight lines that never come nearer to it; `None` where
 /// none is farther away than the agent.
 ///
-/// - positions of the threat and of the agent, and that to which it would flee without walls (m).
+/// - `from`, `position`, `at`: of the threat, of the agent, and of the place to which it would flee without walls (m).
 fn farthest_seen(stage: &impl ScenarioStage, [from, position, at]: [Vec3; 3]) -> Option<Vec3> {
     let ahead = at - position;
-    let seen = (0..FLEES_WAYS * FLEES_STEPS).map(|n| {
-        let turn = maths::direction_at_angle(PI * (n % FLEES_WAYS) as f32 / (FLEES_WAYS - 1) as f32);
-        let way = ahead * turn.y + Vec3::new(ahead.z, 0.0, -ahead.x) * turn.x;
-        position + way * ((n / FLEES_WAYS + 1) as f32 / FLEES_STEPS as f32)
+    let seen = (0..FLEE_DIRECTIONS * FLEE_STEPS).map(|n| {
+        let turn = maths::direction_at_angle(PI * (n % FLEE_DIRECTIONS) as f32 / (FLEE_DIRECTIONS - 1) as f32);
+        let offset = ahead * turn.y + Vec3::new(ahead.z, 0.0, -ahead.x) * turn.x;
+        position + offset * ((n / FLEE_DIRECTIONS + 1) as f32 / FLEE_STEPS as f32)
     });
-    let is_seen = |to: &Vec3| stage.sees(position, *to, FLEES_M, true) && stage.sees(*to, *to, NEAR_M, true);
+    let is_seen = |to: &Vec3| stage.sees(position, *to, FLEE_CLEARANCE_M, true) && stage.sees(*to, *to, NEAR_M, true);
     if is_seen(&at) {
         return Some(at);
     }

@@ -86,7 +86,7 @@ impl Chains {
 /// Places and reservations of a character over time, from now to the end of its chain.
 pub(super) struct ChainSchedule<'a> {
     pub graph: &'a WorldGraph,
-    /// Present root.
+    /// Planar root now.
     pub root: Planar,
     /// Time until the chain begins (frames).
     pub frames_left: f32,
@@ -125,7 +125,7 @@ impl ChainSchedule<'_> {
         released
     }
 
-    /// About where the hips are (m).
+    /// Approximate position of the hips: they go along a straight line from each node to the next (m).
     fn place_at(&self, mut frames: f32) -> Vec3 {
         let place = |node| self.graph.place(node).translation();
         let (mut from, mut to) = (Vec3::new(self.root.x, place(self.at).y, self.root.z), place(self.at));

@@ -23,7 +23,8 @@ type SavedInhabitants = (
 
 /// A character's motion ends this far from its node at most: more is a sign of damage (m).
 const ASTRAY_M: f32 = 1.0;
-/// Least distance of two that follow each other, which are compared at other times than when they began (m).
+/// Least distance of the hips of two that follow each other in a snapshot (m): below [`APART_M`], as it is compared at other times than
+/// when they began.
 const APART_RESTORED_M: f32 = 0.8 * APART_M;
 /// Times are below this (s).
 const LATEST_S: f64 = 1e12;

@@ -89,7 +89,7 @@ struct ScenarioCompiler<'a> {
     graph_starts: BTreeMap<String, u32>,
     /// Numbers of states, by names of graph and state.
     state_numbers: BTreeMap<(String, String), u32>,
-    /// Whether nobody tells or conveys the event whose actions are compiled.
+    /// True where nobody tells or conveys the event whose actions are compiled.
     is_untold: bool,
 }
 
