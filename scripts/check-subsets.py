@@ -15,7 +15,6 @@ args.add_argument("--draws", type=int, default=24)
 args.add_argument("--seed", type=int, default=1)
 args.add_argument("--only", default="", help="draws whose name holds this")
 args.add_argument("--keep", type=Path, help="folder for the bundles")
-args.add_argument("--bend", default="")
 args = args.parse_args()
 
 motion = sorted(p for p in args.motion.rglob("*") if p.suffix in (".bvh", ".amc", ".fbx", ".glb"))
@@ -75,8 +74,7 @@ for name, of in cases:
         if isinstance(built, str):
             print(f"{name:26}{len(files):6}  {built}", flush=True)
             continue
-        flags = ["--bend", args.bend] if args.bend else []
-        crowd = run("run", bundle, "--characters", 200, "--json", "--no-cache", *flags)
+        crowd = run("run", bundle, "--characters", 200, "--json", "--no-cache")
         if args.keep:
             args.keep.mkdir(exist_ok=True)
             shutil.copy(bundle, args.keep / (re.sub(r"\W+", "-", name) + ".throng"))

@@ -130,7 +130,7 @@ def results(args):
         if runner.wanted('characters'):
             for bundle in ('walk', 'snu-walk', 'bandai-walk'):
                 if os.path.exists(os.path.join(work, f'{bundle}.throng')):
-                    for more in ([], ['--no-avoid'], ['--single-load', '--bend', '0.3']):
+                    for more in ([], ['--no-avoid'], ['--single-load']):
                         runner.report(f'characters {bundle} {" ".join(more)}', 'run', f'{bundle}.throng', '--characters', '300', '--seconds', '10', *more)
         with open(args.out, 'w') as file:
             json.dump(runner.found, file, indent=1, sort_keys=True)

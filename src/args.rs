@@ -261,10 +261,6 @@ pub struct CrowdArgs {
     /// Choose at random among the best few actions, 0 for always the best; 0, or what the scene says, where absent.
     #[arg(long, help_heading = CHARACTERS, value_name = "T", value_parser = limits::number_parser::<f32>(&limits::TEMPERATURE))]
     temperature: Option<f32>,
-    /// How far a walked action may be bent towards the target, in radians a metre; 0 plays motion as captured. Not
-    /// for scenes.
-    #[arg(long, help_heading = CHARACTERS, default_value_t = 0.0, value_name = "RAD_PER_M", value_parser = limits::number_parser::<f32>(&limits::BEND))]
-    bend: f32,
     /// Let characters take no notice of each other; not for scenes.
     #[arg(long, help_heading = CHARACTERS)]
     no_avoid: bool,
@@ -285,7 +281,6 @@ impl CrowdArgs {
         trial.characters = self.characters.unwrap_or(trial.characters);
         trial.seed = self.seed.unwrap_or(trial.seed);
         trial.motion.seed = trial.seed;
-        trial.motion.bend_rad_per_m = self.bend;
         trial.motion.avoid = trial.motion.avoid.filter(|_| !self.no_avoid);
         let temperature = self.temperature.unwrap_or(0.0);
         trial.motion.choice =
@@ -295,8 +290,8 @@ impl CrowdArgs {
 
     /// Overrides settings of a scene by the given options.
     pub fn override_scene(&self, scene: &mut Scene) -> CommandResult {
-        let is_of_bundle = self.single_load || self.bend != 0.0 || self.follow != 0;
-        ensure(!is_of_bundle, || "--single-load, --bend and --follow are for bundles, not for scenes")?;
+        let is_of_bundle = self.single_load || self.follow != 0;
+        ensure(!is_of_bundle, || "--single-load and --follow are for bundles, not for scenes")?;
         if let Some(temperature) = self.temperature {
             let mut with_behaviours = scene.groups.iter_mut().filter(|g| !g.behaviours.is_empty()).peekable();
             let fault = "--temperature is for bundles and scenes with behaviours";

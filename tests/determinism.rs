@@ -92,7 +92,7 @@ fn on_this_thread(characters: &mut Characters, motion_set: &MotionSet, orders: &
 }
 
 fn config(choice: ActionChoice) -> CharactersConfig {
-    CharactersConfig { choice, local_transforms: true, bend_rad_per_m: 0.1, ..CharactersConfig::default() }
+    CharactersConfig { choice, local_transforms: true, ..CharactersConfig::default() }
 }
 
 #[test]

@@ -52,8 +52,8 @@ fn steps_allocate_nothing() {
         ActionChoice::LookAhead { temperature: 0.0 },
         ActionChoice::LookAhead { temperature: 0.05 },
     ] {
-        for (local_transforms, bend_rad_per_m) in [(false, 0.0), (true, 0.2)] {
-            let config = CharactersConfig { choice, local_transforms, bend_rad_per_m, ..CharactersConfig::default() };
+        for local_transforms in [false, true] {
+            let config = CharactersConfig { choice, local_transforms, ..CharactersConfig::default() };
             let mut characters = Characters::new(&motion_set, config, &starts).expect("characters");
             characters.step(&motion_set, 0.0, &orders).expect("a first step");
             let chosen = |t: &Characters| (0..N).map(|c| t.num_choices(c)).sum::<u32>();

@@ -173,8 +173,10 @@ fn search_all(table: &PolicyTable, pairs: &[PolicySituation], depth: usize) -> V
     let actions = table.actions();
     let branching = actions.num_actions() as f64 / actions.num_states() as f64;
     let look_aheads = pairs.len() as f64 * branching.powi(depth as i32 - 1);
+    // Bounds know actions as captured.
+    let bends = table.grid().is_polar() && table.segments().iter().any(|s| s.heights[0] > 0.0);
     // Events of a space-time grid happen after an action or two.
-    if look_aheads < WORTH_BOUNDS || table.grid().is_space_time() {
+    if look_aheads < WORTH_BOUNDS || table.grid().is_space_time() || bends {
         let search = PolicySearch::new(table, depth, None);
         return pairs.par_iter().map(|&pair| search.best(pair)).collect();
     }

@@ -81,7 +81,6 @@ const RUN: Options = &[
     ("trajectory-hz", &limits::TRAJECTORY_HZ),
     ("seed", &limits::SEED),
     ("temperature", &limits::TEMPERATURE),
-    ("bend", &limits::BEND),
     ("follow", &limits::FOLLOWED),
     ("metres-per-unit", &limits::METRES_PER_UNIT),
     ("rate-hz", &limits::MOTION_HZ),
@@ -93,7 +92,6 @@ const TRIAL: Options = &[
     ("step-hz", &limits::STEP_HZ),
     ("seed", &limits::SEED),
     ("temperature", &limits::TEMPERATURE),
-    ("bend", &limits::BEND),
     ("follow", &limits::FOLLOWED),
 ];
 
@@ -148,7 +146,6 @@ fn numbers_at_the_ends_of_their_ranges_are_taken() {
         ["--step-hz", "10000"],
         ["--temperature", "0"],
         ["--temperature", "1000"],
-        ["--bend", "10"],
         ["--follow", "0"],
     ] {
         done(&[&run[..], &more].concat());

@@ -190,20 +190,39 @@ impl<'a> Naive<'a> {
         ]
     }
 
+    /// Turn by which a segment is bent towards a target that is seen so from its end (rad).
+    fn bend(&self, record: &SegmentRecord, [x, z]: [f64; 2]) -> f64 {
+        if !self.grid.is_polar() {
+            return 0.0;
+        }
+        let [most, per_m] = record.heights.map(f64::from);
+        let most = (most * (x.hypot(z) * per_m - 1.0).clamp(0.0, 1.0)).atan();
+        x.atan2(z.max(x.abs())).clamp(-most, most)
+    }
+
     /// Score of an action, given what a (state, cell) is worth.
     fn score(&self, action: usize, cell: usize, value: &mut dyn FnMut(u32, usize) -> f64) -> f64 {
         let segment = self.model.action_segments[action] as usize;
         let c = self.grid.cell_coordinates(cell).as_dvec3();
         let target = [c.y * c.x.sin(), if self.grid.is_polar() { 0.0 } else { c.z }, c.y * c.x.cos()];
         let d = self.model.segments[segment].displacement;
-        let (dx, dz) = (target[0] - f64::from(d.x), target[2] - f64::from(d.z));
-        let (sin, cos) = f64::from(d.heading).sin_cos();
+        let (heading, record) = (f64::from(d.heading), &self.records[segment]);
+        let seen_turned = |[x, z]: [f64; 2], by: f64| {
+            let (sin, cos) = by.sin_cos();
+            [cos * x - sin * z, sin * x + cos * z]
+        };
+        let seen_at_end = |x: f64, z: f64| seen_turned([x - f64::from(d.x), z - f64::from(d.z)], heading);
+        // Bent so that it ends facing the target, within its limit: half of the turn at the start, half at the end.
+        let half = 0.5 * self.bend(record, seen_at_end(target[0], target[2]));
+        let [x, z] = seen_turned([target[0], target[2]], half);
+        let target = [x, target[1], z];
         let plane = self.grid.num_plane_cells();
         let height = cell / plane * plane;
-        let next = self.weights(cos * dx - sin * dz, sin * dx + cos * dz);
+        let [x, z] = seen_turned(seen_at_end(x, z), half);
+        let next = self.weights(x, z);
         let next: f64 = next.iter().map(|&(c, w)| w * value(self.model.segments[segment].end, height + c)).sum();
         let discount = self.discount.powi(self.model.segments[segment].num_frames as i32);
-        (-self.costs[action]).exp() * (self.reward(&self.records[segment], target) + discount * next)
+        (-self.costs[action]).exp() * (self.reward(record, target) + discount * next)
     }
 
     pub fn segments_of(&self, state: usize) -> &[u32] {

@@ -32,6 +32,11 @@ impl PolicyBehaviour for Blows {
     }
 }
 
+/// Settings of an `approach` that plays actions as captured, as bounds know them.
+fn unbent() -> PolicyBehaviourConfig {
+    PolicyBehaviourConfig { bend_rad_per_m: Some(0.0), ..PolicyBehaviourConfig::default() }
+}
+
 fn solved(model: ActionModel, behaviour: &dyn PolicyBehaviour) -> PolicyTables {
     let mut rng = Pcg64::seed_from_u64(1);
     let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
@@ -44,7 +49,7 @@ fn made_up(seed: u64) -> (PolicyTables, PolicyTables) {
     let small = SyntheticProblem { states: 5, actions: 4, rings: 7, angles: 9, seed };
     let grid = GridConfig::polar(small.rings, small.angles, 3.0, 0.25, 1.0);
     let approach = Approach::new(
-        &PolicyBehaviourConfig { grid, transition_cost_s: Some(3.0), ..PolicyBehaviourConfig::default() },
+        &PolicyBehaviourConfig { grid, transition_cost_s: Some(3.0), ..unbent() },
         30.0,
         None,
     )
@@ -151,7 +156,7 @@ fn bounds_leave_out_most_of_what_there_is_to_try() {
 
 #[test]
 fn walks_to_the_target_and_stands_there() {
-    let config = PolicyBehaviourConfig::default();
+    let config = unbent();
     let tables = solved(line(), &Approach::new(&config, 30.0, None).expect("a valid behaviour"));
     let table = tables.table(0).expect("sound tables");
     let found = PolicySearch::new(&table, 4, None).best(PolicySituation { state: 0, target: Vec3::new(0.0, 0.0, 1.0) });
@@ -171,7 +176,7 @@ fn walks_to_the_target_and_stands_there() {
 #[test]
 fn following_the_policy_collects_what_was_worked_out_by_hand() {
     let tables =
-        solved(line(), &Approach::new(&PolicyBehaviourConfig::default(), 30.0, None).expect("a valid behaviour"));
+        solved(line(), &Approach::new(&unbent(), 30.0, None).expect("a valid behaviour"));
     let table = tables.table(0).expect("sound tables");
     let from = [
         PolicySituation { state: 0, target: Vec3::ZERO },
@@ -186,7 +191,7 @@ fn following_the_policy_collects_what_was_worked_out_by_hand() {
 #[test]
 fn a_policy_on_a_fine_grid_collects_nearly_all_there_is() {
     let fine = GridConfig::polar(65, 64, 4.0, 0.0625, 2.5);
-    let config = PolicyBehaviourConfig { grid: fine, ..PolicyBehaviourConfig::default() };
+    let config = PolicyBehaviourConfig { grid: fine, ..unbent() };
     let tables = solved(line(), &Approach::new(&config, 30.0, None).expect("a valid behaviour"));
     let asked = QualityConfig { pairs: 200, ..QualityConfig::default() };
     let q = measure_policy(&tables.table(0).expect("sound tables"), "approach", &asked);

@@ -60,7 +60,6 @@ macro_rules! limits {
 }
 
 limits! {
-    BEND = "how far a walked action may be bent": 0 to 10 " rad/m";
     CACHE_GB = "most that a cache keeps": 0 to 1_000_000 " GB";
     CAPACITY = "places for characters or agents": 0 to 1_000_000 "";
     CHARACTERS = "number of characters or agents": 1 to 1_000_000 "";

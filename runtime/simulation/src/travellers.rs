@@ -18,7 +18,7 @@ use throng_base::maths;
 use throng_base::thresholds::{WAITS_BELOW_MPS, WALK_SPEED_MPS};
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::body::HeightField;
-use throng_core::characters::{CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
+use throng_core::characters::{PolicyCharacters, PolicyOrder, Spawn};
 use throng_core::reserve::FloorWall;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
@@ -44,8 +44,6 @@ const NEAR_M: f32 = 0.5;
 /// Distance around a goal within which ground is level, and the difference of heights that it may have (m).
 const ROOM_M: f32 = 0.8;
 const LEVEL_M: f32 = 0.1;
-/// Largest bending of a step towards where navigation leads: at a walk, a third of the sideways acceleration of captured turns (rad/m).
-const BEND_RAD_PER_M: f32 = 0.3;
 /// Most draws of a goal.
 const MOST_DRAWN: usize = 400;
 /// Spacing of the heights that feet are put on (m).
@@ -99,7 +97,7 @@ impl Travellers {
             }
             e => scene.fault(&key, e),
         };
-        let config = CharactersConfig { bend_rad_per_m: BEND_RAD_PER_M, ..characters_config(compiled, group) };
+        let config = characters_config(compiled, group);
         let mut made = Self {
             scene: Arc::clone(scene),
             groups: groups.to_vec(),

@@ -40,10 +40,10 @@ pub fn play(table: &PolicyTable, from: PolicySituation, action: u8) -> PlayedAct
     let segment = table.actions().segments_of(from.state)[action];
     let left = table.reward().after_transition(table.errors_of(from.state)[action]);
     let (record, place) = (&table.segments()[segment as usize], table.to_grid(target));
-    let [x, z, distance] = record.target_after(place);
+    let (seen, [x, z, distance]) = table.target_along(segment, place);
     let (y, reward) = match table.paths().get(segment as usize) {
         Some(path) => (target.y - path.duration_s, event_reward(table, record, path, place)),
-        None => (target.y, sample_reward(table, record, place, distance)),
+        None => (target.y, sample_reward(table, record, seen, distance)),
     };
     let target = Vec3::new(x, y, z) + table.centre();
     let then = PolicySituation { state: record.end, target };

@@ -3,7 +3,7 @@
 use super::{AvoidConfig, FootLockConfig, ReactionConfig};
 use throng_base::Result;
 use throng_base::error::{check_range, check_value};
-use throng_base::limits::{BEND, TEMPERATURE};
+use throng_base::limits::TEMPERATURE;
 
 /// Method by which a character chooses among the actions of its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,9 +34,6 @@ pub struct CharactersConfig {
     pub foot_lock: FootLockConfig,
     /// Reaction of struck characters, see [`super::Characters::push`].
     pub reaction: ReactionConfig,
-    /// Largest bending of a walked action towards the target; 0 leaves motion as captured (Lee, Choi and Lee 2006,
-    /// section 6, linear path editing) (rad/m, >= 0).
-    pub bend_rad_per_m: f32,
     /// How much persons differ in the way they hold trunk, arms and head; 0 leaves all as captured (0 to 1).
     pub carriage: f32,
     /// Avoidance of other characters and walls; without it characters ignore both.
@@ -56,7 +53,6 @@ impl Default for CharactersConfig {
             half_life_s: 0.15,
             foot_lock: FootLockConfig::default(),
             reaction: ReactionConfig::default(),
-            bend_rad_per_m: 0.0,
             carriage: 0.0,
             avoid: None,
             local_transforms: false,
@@ -86,7 +82,6 @@ impl CharactersConfig {
         self.reaction.check()?;
         self.avoid.map_or(Ok(()), |avoid| avoid.check())?;
         check_range("carriage", self.carriage, 0.0..=1.0, "between 0 and 1")?;
-        BEND.check("bend_rad_per_m", None, self.bend_rad_per_m)?;
         if let ActionChoice::LookAhead { temperature } = self.choice {
             TEMPERATURE.check("temperature", None, temperature)?;
         }

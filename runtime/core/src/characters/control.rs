@@ -14,10 +14,9 @@ use super::transition::{SegmentChange, StartTransitionsJob};
 use super::{ActionChoice, Characters, CharactersConfig, pace};
 use crate::body::set_lane;
 use crate::graph::MotionSegment;
-use crate::planar::{Planar, wrap_angle};
+use crate::planar::Planar;
 use crate::policy::{self, BestActionJob, LookAheadJob, MAX_RANKED, NO_ACTION, PolicyTable, RankedActions};
 use glam::{Vec2, Vec3};
-use throng_base::maths;
 use throng_base::simd::{LANES, dispatch};
 
 /// Characters that choose together; the batch lives on the stack.
@@ -209,7 +208,7 @@ impl PendingChoices {
             let end = if num_goals == 0 { self.states[i] } else { motion_set.graph.segments[chosen as usize].end };
             let Some(manner) = motion_set.manners.wanted(order.manner, end) else { continue };
             let aims = |g: usize| (&motion_set.policies[policies[g]], self.weights[g][i], self.targets[g][i]);
-            let worth = |segment: &MotionSegment| (0..num_goals).map(|g| worth_after(segment, aims(g))).sum();
+            let worth = |segment| (0..num_goals).map(|g| worth_after(segment, aims(g))).sum();
             let ranked = motion_set.manners.ranked_actions(&motion_set.graph, self.states[i], manner, worth);
             if ranked[0] != NO_ACTION {
                 (self.actions[i], self.bends[i]) = (ranked[0], 0.0);
@@ -231,9 +230,9 @@ impl PendingChoices {
 }
 
 /// Value for a behaviour, with its weight and its target, of the end of a segment (m).
-pub(super) fn worth_after(segment: &MotionSegment, (policy, weight, target): (&PolicyTable, f32, Vec3)) -> f32 {
-    let left = segment.displacement().inverse_transform_point(Vec2::new(target.x, target.z));
-    weight * policy.value(segment.end, Vec3::new(left.x, target.y, left.y))
+pub(super) fn worth_after(segment: u32, (policy, weight, target): (&PolicyTable, f32, Vec3)) -> f32 {
+    let (_, [x, z, _]) = policy.target_along(segment, policy.to_grid(target));
+    weight * policy.value(policy.segments()[segment as usize].end, Vec3::new(x, target.y, z) + policy.centre())
 }
 
 /// Changes the scores of blows by what a character likes at the moment, so that nobody throws the same one all the time.
@@ -276,7 +275,7 @@ fn apply_choices(
         let new = &motion_set.graph.segments[segment as usize];
         let bend = match pending.num_goals {
             0 => pending.bends[i],
-            _ => bend_rate(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m),
+            _ => motion_set.policies[pending.policies[0]].bend(segment, pending.targets[0][i]) / new.num_frames as f32,
         };
         let stands = tick.orders[first + character].is_to_stand();
         let pace = match b.pace[lane] {
@@ -393,23 +392,6 @@ impl Characters {
     }
 }
 
-/// Rate at which an action is bent so that it ends nearer to facing the target, within the limit (rad/frame).
-///
-/// The linear path editing of Lee, Choi and Lee (2006), section 6: the change of heading grows linearly over the
-/// action.
-pub(crate) fn bend_rate(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f32) -> f32 {
-    let path = maths::hypot(displacement.x, displacement.z);
-    let limit = limit_rad_per_m * path;
-    if limit <= 0.0 {
-        return 0.0;
-    }
-    let left = Vec2::new(target.x - displacement.x, target.z - displacement.z);
-    if left.length() < path {
-        return 0.0;
-    }
-    wrap_angle(maths::atan2(left.x, left.y) - displacement.heading).clamp(-limit, limit) / num_frames as f32
-}
-
 /// A number in [0, 1) that depends on nothing but its arguments.
 pub fn uniform_random(seed: u64, character: u64, draw: u64) -> f32 {
     (random_bits(seed, character, draw) >> 40) as f32 / (1u64 << 24) as f32
@@ -460,15 +442,5 @@ mod tests {
         let (actions, scores) = ranks(&[hit(25), hit(85)]);
         assert_eq!(actions, [1, 0]);
         assert!((scores[0] - 1.9).abs() < 1e-6 && (scores[1] - 1.6).abs() < 1e-6, "{scores:?}");
-    }
-
-    #[test]
-    fn bending_turns_towards_the_target_and_keeps_its_limit() {
-        let ahead = Planar::new(0.0, 1.0, 0.0);
-        let total = |target: Vec3| bend_rate(ahead, 10, target, 0.2) * 10.0;
-        assert!((total(Vec3::new(0.1, 0.0, 5.0)) - (0.1f32).atan2(4.0)).abs() < 1e-6);
-        assert!((total(Vec3::new(5.0, 0.0, 1.0)) - 0.2).abs() < 1e-6);
-        assert!((total(Vec3::new(-5.0, 0.0, 1.0)) + 0.2).abs() < 1e-6);
-        assert_eq!(bend_rate(ahead, 10, Vec3::new(5.0, 0.0, 1.0), 0.0), 0.0);
     }
 }

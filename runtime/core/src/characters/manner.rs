@@ -132,13 +132,13 @@ impl Manners {
 
     /// The best actions on the way to a manner, or within it, best first; [`NO_ACTION`] beyond the last one.
     ///
-    /// - `worth`: of the end of a segment for what the character is about besides (>= 0).
+    /// - `worth`: of the end of a segment, by its number, for what the character is about besides (>= 0).
     pub fn ranked_actions(
         &self,
         graph: &MotionGraph,
         state: u32,
         manner: usize,
-        worth: impl Fn(&MotionSegment) -> f32,
+        worth: impl Fn(u32) -> f32,
     ) -> [u8; MAX_RANKED] {
         let (segments, errors) = graph.actions_of(state);
         let mut best = [(0.0, NO_ACTION); MAX_RANKED];
@@ -149,7 +149,7 @@ impl Manners {
                 continue;
             }
             let delay_s = (action_frames(segment, *error) + f32::from(left)) / self.rate_hz;
-            let mut entry = (worth(segment).max(1e-6) * maths::exp(-delay_s / URGENCY_S), action as u8);
+            let mut entry = (worth(s).max(1e-6) * maths::exp(-delay_s / URGENCY_S), action as u8);
             for kept in &mut best {
                 if kept.1 == NO_ACTION || kept.0 < entry.0 {
                     std::mem::swap(kept, &mut entry);
@@ -265,7 +265,7 @@ mod tests {
         let ranked = |state| manners.ranked_actions(&graph, state, 1, |_| 1.0);
         assert_eq!(ranked(1), [1, 0, NO_ACTION, NO_ACTION], "on to the third state, then back");
         assert_eq!(
-            manners.ranked_actions(&graph, 1, 1, |s| if s.end == 0 { 1e3 } else { 1e-3 })[0],
+            manners.ranked_actions(&graph, 1, 1, |s| if graph.segments[s as usize].end == 0 { 1e3 } else { 1e-3 })[0],
             0,
             "far more worth"
         );

@@ -236,7 +236,7 @@ mod tests {
                     displacement: [turn.cos(), turn.sin(), 0.8 * (v - 0.3), 0.4 * v],
                     inner: [0.1 * v, 0.2, 0.3, v],
                     weights: [outer, 0.4, v, outer],
-                    heights: [1.3, 1.5],
+                    heights: [0.4, 1.5],
                     discount: 0.9,
                     end: (i * 3 % STATES) as u32,
                 }
@@ -292,10 +292,10 @@ mod tests {
         let start = table.reward().kernel(t.x.hypot(t.z));
         let score = |(&segment, &error): (&u32, &f32)| {
             let s = &table.segments()[segment as usize];
-            let [x, z, distance] = s.target_after(t);
+            let (seen, [x, z, distance]) = table.target_along(segment, t);
             let polar = table.grid().is_polar();
             let reward = if polar {
-                table.reward().of_segment::<true>(s, t, start, distance)
+                table.reward().of_segment::<true>(s, seen, start, distance)
             } else {
                 table.reward().of_segment::<false>(s, t, start, distance)
             };

@@ -42,17 +42,37 @@ pub(super) struct TargetLanes<F> {
 }
 
 /// Rewards, and where the targets lie after the segments. A backup is reward + discount * interpolated value.
+///
+/// - `is_bent`: true where segments may be bent ([`SegmentRecord::half_bend`]).
 #[inline(always)]
 pub(super) fn back_up<F: Lanes, const POLAR: bool>(
     grid: &TargetGrid,
     reward: &Reward,
     motions: impl SegmentLanes<F>,
     target: &TargetLanes<F>,
+    is_bent: bool,
 ) -> (F, GridCoordinates<F>) {
     let [c, s, x, z] = motions.quarter(0);
-    let (dx, dz) = (target.x - x, target.z - z);
-    let end_distance = squared(dx, dz).sqrt();
-    let spot = grid.spot::<F, POLAR>(c * dx - s * dz, s * dx + c * dz, end_distance);
+    let (mut dx, mut dz) = (target.x - x, target.z - z);
+    let mut end_distance = squared(dx, dz).sqrt();
+    let (mut to_x, mut to_z) = turned_back([c, s], dx, dz);
+    let mut target = *target;
+    if POLAR && is_bent {
+        // [`SegmentRecord::half_bend`]: the target is seen turned back by half of the bend at the start, and again at the end.
+        let [most, per_m, ..] = motions.quarter(3);
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let most = most * (end_distance * per_m - one).min(one).max(zero);
+        let tangent = (to_x / to_z.max(to_x.abs()).max(F::splat(f32::MIN_POSITIVE))).min(most).max(-most);
+        let half = tangent / (one + (one + tangent * tangent).sqrt());
+        let cos = one / (one + half * half).sqrt();
+        let half = [cos, half * cos];
+        (target.x, target.z) = turned_back(half, target.x, target.z);
+        (dx, dz) = (target.x - x, target.z - z);
+        end_distance = squared(dx, dz).sqrt();
+        (to_x, to_z) = turned_back([c, s], dx, dz);
+        (to_x, to_z) = turned_back(half, to_x, to_z);
+    }
+    let spot = grid.spot::<F, POLAR>(to_x, to_z, end_distance);
     // The reward, see [`Reward`].
     let [x0, z0, x1, z1] = motions.quarter(1);
     let mut first = squared(target.x - x0, target.z - z0);
@@ -71,6 +91,12 @@ pub(super) fn back_up<F: Lanes, const POLAR: bool>(
     }
     let end = end_weight * reward.kernels(end_distance);
     (gain * reward.combined(inner, reward.combined(start_weight * target.start_kernel, end)), spot)
+}
+
+/// The ground point (x, z) seen by who has turned by an angle, of its cosine and sine.
+#[inline(always)]
+fn turned_back<F: Lanes>([c, s]: [F; 2], x: F, z: F) -> (F, F) {
+    (c * x - s * z, s * x + c * z)
 }
 
 #[inline(always)]
@@ -161,7 +187,8 @@ impl BackUpJob<'_> {
         for (t, out) in self.targets.iter().zip(self.out) {
             let start_kernel = F::load(&t.start_kernel);
             let targets = TargetLanes { x: F::load(&t.x), y: F::splat(self.height), z: F::load(&t.z), start_kernel };
-            let (rewards, spot) = back_up::<F, POLAR>(grid, reward, self.segment, &targets);
+            let (rewards, spot) =
+                back_up::<F, POLAR>(grid, reward, self.segment, &targets, self.segment.heights[0] > 0.0);
             let place = grid.place::<F, POLAR>(&spot);
             let weight = place.scale * discount;
             place.ring.store(&mut out.ring);
@@ -193,7 +220,7 @@ mod tests {
         #[test]
         fn lanes_agree_with_the_scalar_definition(
             turn in -3.0f32..3.0, inner in prop::array::uniform4(-1.0f32..1.0), step in prop::array::uniform2(-1.0f32..1.0),
-            places in prop::array::uniform8((-2.0f32..2.0, -2.0f32..2.0)), sum in any::<bool>(), y in 1.0f32..1.8,
+            places in prop::array::uniform8((-2.0f32..2.0, -2.0f32..2.0)), bend in 0.0f32..1.0, sum in any::<bool>(), y in 1.0f32..1.8,
             kernel in prop::sample::select(vec![KERNEL_EXPONENTIAL, KERNEL_WITHIN, KERNEL_LINEAR]),
         ) {
             for grid in grids() {
@@ -203,7 +230,7 @@ mod tests {
                     displacement: [turn.cos(), turn.sin(), step[0], step[1]],
                     inner,
                     weights: [outer, 0.4, 0.5, outer],
-                    heights: [1.3, 1.5],
+                    heights: [bend, 1.5],
                     discount: 0.9,
                     end: 0,
                 };
@@ -225,12 +252,12 @@ mod tests {
                 table.back_up_all(&segment, y, &[targets], &mut out);
                 for (l, &place) in places.iter().enumerate() {
                     let target = Vec3::new(place.0, y, place.1);
-                    let [x, z, distance] = segment.target_after(target);
+                    let (seen, [x, z, distance]) = table.target_along(0, target);
                     let s = grid.stencil(x, z);
                     prop_assert_eq!((out[0].ring[l] as u32, out[0].angle[l] as u32), (s.ring, s.angle));
                     let weight = s.scale * segment.discount;
                     let of = if polar { Reward::of_segment::<true> } else { Reward::of_segment::<false> };
-                    let expected = of(table.reward(), &segment, target, kernel(place), distance);
+                    let expected = of(table.reward(), &segment, seen, kernel(place), distance);
                     for (got, want) in [
                         (out[0].angle_ratio[l], s.angle_ratio),
                         (out[0].near[l], weight * (1.0 - s.ring_ratio)),

@@ -186,7 +186,7 @@ impl PolicyTable {
         scores: &mut [f32; LANES],
     ) {
         let records = &segments.map(|s| &self.rows.segments[s as usize]);
-        let (reward, spot) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets);
+        let (reward, spot) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets, self.bends);
         let [_, _, discount, end] = SegmentLanes::<F>::quarter(records, 3);
         let value = if ADAPTIVE {
             self.adaptive_values::<F, POLAR>(records, &spot, query.height_number)

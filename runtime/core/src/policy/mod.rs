@@ -26,4 +26,6 @@ pub use ranked::{MAX_RANKED, RankedActions};
 pub use region::RegionRecord;
 pub use reward::{COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord};
 pub use space_time::{PATH_POINTS, PathRecord};
-pub use table::{ActionTable, MAX_ACTIONS, NO_ACTION, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord};
+pub use table::{
+    ActionTable, MAX_ACTIONS, MAX_BEND, NO_ACTION, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord,
+};

@@ -2,6 +2,7 @@
 
 use super::adaptive::{StateGridRecord, check_state_grids};
 use super::grid::{GridRecord, TargetGrid};
+use super::maths::{greatest, least};
 use super::region::RegionRecord;
 use super::reward::{Reward, RewardRecord};
 use super::space_time::PathRecord;
@@ -10,7 +11,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::ops::Range;
 use throng_base::error::{check_index, check_length, check_value};
-use throng_base::{Error, Id, Result};
+use throng_base::{Error, Id, Result, maths};
 
 /// Marks an unused slot for an action.
 pub const NO_ACTION: u8 = 255;
@@ -62,7 +63,8 @@ pub struct SegmentRecord {
     pub inner: [f32; 4],
     /// Weights of the four samples: at the start, the two inner ones, at the end (>= 0).
     pub weights: [f32; 4],
-    /// Heights of the two inner samples; only read if the grid has heights (m).
+    /// Heights of the two inner samples (m). In a polar grid, which has no heights: the tangent of the largest turn by which the
+    /// action is bent, and 1 over the length of its path (1/m); both 0 where it is played as captured.
     pub heights: [f32; 2],
     /// Discount to the power of the segment's frames (> 0, < 1).
     pub discount: f32,
@@ -78,12 +80,26 @@ impl SegmentRecord {
         bytemuck::cast_ref(self)
     }
 
-    /// A target after the segment: x and z in the new frame, and the distance (m).
+    /// A target after the segment as captured: x and z in the new frame, and the distance (m).
     #[inline(always)]
     pub fn target_after(&self, target: Vec3) -> [f32; 3] {
         let [c, s, x, z] = self.displacement;
         let (dx, dz) = (target.x - x, target.z - z);
         [c * dx - s * dz, s * dx + c * dz, (dx * dx + dz * dz).sqrt()]
+    }
+
+    /// Tangent of half the turn by which the segment is bent in a polar grid, so that it ends nearer to facing a target: all the
+    /// turn that is allowed where the target is two lengths of the path or more away, none within one.
+    ///
+    /// The linear path editing of Lee, Choi and Lee (2006), section 6: the change of heading grows linearly over the action, whose
+    /// end is then turned about its start by half of it.
+    pub(super) fn half_bend(&self, target: Vec3) -> f32 {
+        let [most, per_m] = self.heights;
+        let [x, z, distance] = self.target_after(target);
+        let most = most * greatest(least(distance * per_m - 1.0, 1.0), 0.0);
+        let ahead = greatest(greatest(z, x.abs()), f32::MIN_POSITIVE);
+        let tangent = greatest(least(x / ahead, most), -most);
+        tangent / (1.0 + (1.0 + tangent * tangent).sqrt())
     }
 }
 
@@ -196,6 +212,8 @@ pub struct PolicyTable {
     centre: Vec3,
     num_choices: usize,
     discount: f32,
+    /// True where actions are bent ([`SegmentRecord::half_bend`]).
+    pub(super) bends: bool,
 }
 
 impl PolicyTable {
@@ -228,6 +246,7 @@ impl PolicyTable {
         check_paths(&slices.paths)?;
         check_length("own errors", slices.errors.len(), record.reward.own_errors as usize * actions.num_actions())?;
         check_numbers("own error", None, &slices.errors, |e| (0.0..1e9).contains(&e), "a distance")?;
+        let bends = grid.is_polar() && slices.segments.iter().any(|s| s.heights[0] > 0.0);
         let table = Self {
             grid,
             reward,
@@ -237,6 +256,7 @@ impl PolicyTable {
             centre: Vec3::new(record.centre[0], 0.0, record.centre[1]),
             num_choices,
             discount: record.discount,
+            bends,
         };
         table.check_best()?;
         Ok(table)
@@ -294,6 +314,27 @@ impl PolicyTable {
     /// Motion of each segment.
     pub fn segments(&self) -> &[SegmentRecord] {
         &self.rows.segments
+    }
+
+    /// Turn by which a segment is bent towards a target in the character's frame (rad, segment < num_segments).
+    pub fn bend(&self, segment: u32, target: Vec3) -> f32 {
+        let half = if self.bends { self.segments()[segment as usize].half_bend(self.to_grid(target)) } else { 0.0 };
+        2.0 * maths::atan2(half, 1.0)
+    }
+
+    /// A target relative to the grid's centre, as the samples of a segment see it while it is bent, and where it lies after the
+    /// segment: x, z and the distance (m, segment < num_segments).
+    pub fn target_along(&self, segment: u32, target: Vec3) -> (Vec3, [f32; 3]) {
+        let record = &self.segments()[segment as usize];
+        let half = if self.bends { record.half_bend(target) } else { 0.0 };
+        let cos = (1.0 + half * half).sqrt().recip();
+        let sin = half * cos;
+        let turned = |x: f32, z: f32| [cos * x - sin * z, sin * x + cos * z];
+        let [x, z] = turned(target.x, target.z);
+        let seen = Vec3::new(x, target.y, z);
+        let [x, z, distance] = record.target_after(seen);
+        let [x, z] = turned(x, z);
+        (seen, [x, z, distance])
     }
 
     /// Path of the guarded point over each segment, on a space-time grid; else empty.
@@ -411,6 +452,9 @@ fn check_paths(paths: &[PathRecord]) -> Result<()> {
     Ok(())
 }
 
+/// Tangent of the largest turn by which an action may be bent.
+pub const MAX_BEND: f32 = 1.0;
+
 /// Checks that ends exist, numbers are finite and below their limits, and factors are in range.
 fn check_segments(segments: &[SegmentRecord], num_states: usize, polar: bool) -> Result<()> {
     check_indices("segment end", segments.iter().map(|s| s.end as usize), num_states)?;
@@ -420,10 +464,36 @@ fn check_segments(segments: &[SegmentRecord], num_states: usize, polar: bool) ->
         check_numbers("segment displacement", who, &s.displacement, moderate, "below 1e6")?;
         check_numbers("segment samples", who, &s.inner, moderate, "below 1e6")?;
         check_numbers("segment heights", who, &s.heights, moderate, "below 1e6")?;
+        let bends = |v: f32| !polar || (0.0..=MAX_BEND).contains(&v);
+        check_numbers("segment bend", who, &s.heights[..1], bends, "between 0 and 1, as a tangent")?;
         check_numbers("segment weights", who, &s.weights, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
         check_numbers("segment discount", who, &[s.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1")?;
         let outer = [s.weights[0], s.weights[3]];
         check_numbers("segment outer weights", who, &outer, |v| polar || v == 0.0, "0, as in a grid with heights")?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A path of 1 m ahead that may be bent by 0.2 rad a metre.
+    fn ahead() -> SegmentRecord {
+        SegmentRecord { displacement: [1.0, 0.0, 0.0, 1.0], heights: [0.2f32.tan(), 1.0], ..SegmentRecord::default() }
+    }
+
+    #[test]
+    fn bending_turns_towards_the_target_and_keeps_its_limit() {
+        let bend = |x: f32, z: f32| 2.0 * ahead().half_bend(Vec3::new(x, 0.0, z)).atan();
+        assert!((bend(0.1, 5.0) - 0.1f32.atan2(4.0)).abs() < 1e-6);
+        for (x, z, most) in [(5.0, 1.0, 0.2), (-5.0, 1.0, -0.2), (1.0, -9.0, 0.2), (0.0, 5.0, 0.0)] {
+            assert!((bend(x, z) - most).abs() < 1e-6, "{x} {z}");
+        }
+        // Within a length of the path of its end it is played as captured, from two lengths on it is bent by all of the turn.
+        assert_eq!(bend(0.5, 1.5), 0.0);
+        assert!((0.05..0.15).contains(&bend(1.5, 1.0)), "{}", bend(1.5, 1.0));
+        let unbent = SegmentRecord { heights: [0.0; 2], ..ahead() };
+        assert_eq!(unbent.half_bend(Vec3::new(5.0, 0.0, 1.0)), 0.0);
+    }
 }

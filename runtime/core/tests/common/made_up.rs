@@ -30,6 +30,20 @@ pub fn tables_with(hits: &[HitRecord]) -> Bundle {
     Bundle::from_bytes(AlignedBytes::from_slice(&bytes(hits, false))).unwrap()
 }
 
+/// Made-up bundle whose actions are bent towards the target.
+#[cfg(test)]
+pub(crate) fn bent_tables(hits: &[HitRecord]) -> Bundle {
+    let mut bytes = bytes(hits, false);
+    for record in tables().policies()[0].segments() {
+        let [_, _, x, z] = record.displacement;
+        let bent = SegmentRecord { heights: [0.2, maths::hypot(x, z).recip()], ..*record };
+        let from = bytemuck::bytes_of(record);
+        let at = bytes.windows(from.len()).position(|w| w == from).unwrap();
+        bytes[at..at + from.len()].copy_from_slice(bytemuck::bytes_of(&bent));
+    }
+    Bundle::from_bytes_unverified(AlignedBytes::from_slice(&bytes)).unwrap()
+}
+
 /// Made-up bundle of people who stand with soft knees, feet flat on the ground, and move their upper bodies.
 #[cfg(test)]
 pub(crate) fn standing_tables() -> Bundle {

@@ -3,7 +3,7 @@
 use super::super::config::{CentreConfig, KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::throw_punches::SCALE;
-use super::{BehaviourSpec, PolicyBehaviour};
+use super::{BehaviourSpec, BendLimit, PolicyBehaviour};
 use glam::Vec2;
 use throng_core::Planar;
 use throng_core::policy::{RegionRecord, SegmentRecord};
@@ -54,7 +54,8 @@ impl Approach {
         let (reward, costs) = c.make_reward(form, KernelConfig::Exponential, 1.5, 1.0)?;
         let (grid, region) = (c.grid.make_polar()?, region_of(c, centre)?);
         let spec = BehaviourSpec::new("", grid, reward, c.discount_at(rate_hz));
-        let spec = BehaviourSpec { region, centre, costs, adaptive: c.grid.adaptive, ..spec };
+        let bend = BendLimit { rad_per_m: c.bend_rad_per_m(), rate_hz };
+        let spec = BehaviourSpec { region, centre, costs, adaptive: c.grid.adaptive, bend, ..spec };
         Ok(Self { config: config.clone(), form, spec, rate_hz })
     }
 

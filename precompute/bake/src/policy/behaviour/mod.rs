@@ -1,11 +1,13 @@
 //! Behaviours: a grid of target cells and a reward (Lee and Lee 2004, sections 4.1 and 6).
 
 mod approach;
+mod bend;
 mod evade;
 mod throw_punches;
 
 use super::{AdaptiveConfig, SegmentMotion};
 pub use approach::Approach;
+pub use bend::BendLimit;
 pub use evade::Evade;
 use glam::Vec2;
 use throng_core::policy::{PathRecord, RegionRecord, Reward, SegmentRecord, TargetGrid};
@@ -32,6 +34,8 @@ pub struct BehaviourSpec<'a> {
     pub adaptive: Option<AdaptiveConfig>,
     /// Costs of actions, where the reward has errors of its own.
     pub costs: ActionCosts,
+    /// How far actions are bent towards the target; counts in a polar grid around the root.
+    pub bend: BendLimit,
 }
 
 /// Costs of actions, as squares of the distance of a transition that costs as much.
@@ -47,7 +51,7 @@ impl<'a> BehaviourSpec<'a> {
     /// Specification of a behaviour that is active everywhere, around the character's root, with one grid.
     pub fn new(name: &'a str, grid: TargetGrid, reward: Reward, discount: f64) -> Self {
         let (region, centre, costs) = (RegionRecord::EVERYWHERE, Vec2::ZERO, ActionCosts::default());
-        Self { name, grid, reward, discount, region, centre, adaptive: None, costs }
+        Self { name, grid, reward, discount, region, centre, adaptive: None, costs, bend: BendLimit::default() }
     }
 }
 
@@ -90,7 +94,7 @@ fn joint_named(key: &str, name: &str, such: &str) -> Result<Joint> {
 
 /// Geometry and discount of every segment, with the samples of a behaviour.
 pub fn segment_records(behaviour: &dyn PolicyBehaviour, segments: &[SegmentMotion]) -> Vec<SegmentRecord> {
-    let BehaviourSpec { centre, discount, .. } = behaviour.spec();
+    let BehaviourSpec { grid, centre, discount, bend, .. } = behaviour.spec();
     let to_centre = Planar::new(centre.x, centre.y, 0.0);
     let record = |(i, motion): (usize, &SegmentMotion)| {
         let d = to_centre.inverse().compose(motion.displacement.compose(to_centre));
@@ -101,6 +105,9 @@ pub fn segment_records(behaviour: &dyn PolicyBehaviour, segments: &[SegmentMotio
             ..SegmentRecord::default()
         };
         behaviour.sample(i, motion, &mut record);
+        if grid.is_polar() {
+            record.heights = bend.of_segment(motion);
+        }
         record
     };
     segments.iter().enumerate().map(record).collect()

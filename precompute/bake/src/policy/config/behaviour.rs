@@ -51,6 +51,12 @@ pub struct PolicyBehaviourConfig {
     /// Costs of motion that nobody asked for. If absent, the defaults of its keys for `approach` by the body with a positive gain,
     /// else none; with zeros, none.
     pub costs: Option<CostsConfig>,
+    /// For `approach` by the body: how far a walked action may be bent towards the target, as far as people walk so without leaning;
+    /// 0 plays motion as captured. If absent, 0.3 with a positive gain, else 0 (rad/m, 0 to 1).
+    ///
+    /// # Source
+    /// Linear path editing of Lee, Choi and Lee (2006), *Motion Patches*, section 6.
+    pub bend_rad_per_m: Option<f64>,
     /// For `approach`: point that is to reach the target.
     pub centre: CentreConfig,
     /// For `approach` with `integral`: additional weight of moments of standing, as a share (0 to 1).
@@ -75,6 +81,9 @@ const TRANSITION_COST_S: f64 = 1.0;
 const DISCOUNT: f64 = 0.985;
 const PATIENT_DISCOUNT: f64 = 0.996;
 
+/// [`PolicyBehaviourConfig::bend_rad_per_m`] of behaviours that bring the body to a place.
+const BEND_RAD_PER_M: f64 = 0.3;
+
 impl Default for PolicyBehaviourConfig {
     fn default() -> Self {
         Self {
@@ -90,6 +99,7 @@ impl Default for PolicyBehaviourConfig {
             gain: None,
             transition_cost_s: None,
             costs: None,
+            bend_rad_per_m: None,
             centre: CentreConfig::default(),
             stand_bonus: 0.2,
             stand_speed: 0.3,
@@ -170,6 +180,7 @@ impl PolicyBehaviourConfig {
             ("stand_bonus", self.stand_bonus, 0.0, 1.0),
             ("stand_speed", self.stand_speed, 1e-3, 1e3),
             ("height", self.height.unwrap_or(0.0), -10.0, 10.0),
+            ("bend_rad_per_m", self.bend_rad_per_m.unwrap_or(0.0), 0.0, if self.by_body() { 1.0 } else { 0.0 }),
         ])
     }
 
@@ -196,7 +207,17 @@ impl PolicyBehaviourConfig {
 
     /// True for behaviours that bring the body to a place.
     fn goes_somewhere(&self) -> bool {
-        self.kind == BehaviourKind::Approach && self.centre == CentreConfig::default() && self.gain.unwrap_or(1.0) > 0.0
+        self.by_body() && self.gain.unwrap_or(1.0) > 0.0
+    }
+
+    /// True for behaviours about the place of the body.
+    fn by_body(&self) -> bool {
+        self.kind == BehaviourKind::Approach && self.centre == CentreConfig::default()
+    }
+
+    /// How far walked actions may be bent (rad/m).
+    pub(in crate::policy) fn bend_rad_per_m(&self) -> f64 {
+        self.bend_rad_per_m.unwrap_or(if self.goes_somewhere() { BEND_RAD_PER_M } else { 0.0 })
     }
 
     fn costs(&self) -> CostsConfig {

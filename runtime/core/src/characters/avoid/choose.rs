@@ -11,7 +11,6 @@ use super::path::{self, SegmentPlan};
 use super::steer::{NUM_DIRECTIONS, SteeringQuery};
 use super::{AvoidConfig, PathAvoidance, elapsed_s};
 use crate::body::RANGE_LEN;
-use crate::graph::MotionSegment;
 use crate::planar::Planar;
 use crate::policy::{self, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
 use glam::{Vec2, Vec3};
@@ -185,8 +184,7 @@ impl ChoosingCharacter<'_> {
         if let Some(manner) = motion_set.manners.wanted(self.order().manner, end) {
             let aims =
                 |goal: &OwnGoal| (&motion_set.policies[goal.policy], goal.weight, self.target_seen_turned(goal, 0.0));
-            let worth =
-                |segment: &MotionSegment| self.goals.iter().map(|g| control::worth_after(segment, aims(g))).sum();
+            let worth = |segment| self.goals.iter().map(|g| control::worth_after(segment, aims(g))).sum();
             let ranked = motion_set.manners.ranked_actions(&motion_set.graph, self.state, manner, worth);
             let known = ranked.into_iter().filter(|&action| action != NO_ACTION);
             let mut plans = known.map(|action| self.segment_plan(segments[usize::from(action)], 0.0));
@@ -272,8 +270,9 @@ impl ChoosingCharacter<'_> {
             _ if self.is_held => SegmentPlan { segment, pace: pace::STARTING, bend: 0.0 },
             None => SegmentPlan { segment, pace: control::pace_of(new), bend: 0.0 },
             Some(goal) => {
-                let (target, limit) = (self.target_seen_turned(goal, turn), self.step.config.bend_rad_per_m);
-                let bend = control::bend_rate(new.displacement(), new.num_frames, target, limit);
+                let (policy, target) =
+                    (&self.step.motion_set.policies[goal.policy], self.target_seen_turned(goal, turn));
+                let bend = policy.bend(segment, target) / new.num_frames as f32;
                 SegmentPlan { segment, pace: control::pace_of(new), bend }
             }
         }

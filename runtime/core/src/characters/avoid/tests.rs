@@ -1,7 +1,7 @@
 use crate::Bundle;
 use crate::body::HeightField;
 use crate::character_group::CharacterGroup;
-use crate::characters::made_up::{bytes, tables};
+use crate::characters::made_up::{bent_tables, bytes, tables};
 use crate::characters::tests::TwoThreads;
 use crate::characters::{
     ActionChoice, AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn, uniform_random,
@@ -18,13 +18,13 @@ use throng_geometry::Capsule2d;
 /// Radius of every character's disc in the made-up bundle (m).
 const RADIUS_M: f32 = 0.3;
 
-fn config(bend_rad_per_m: f32, choice: ActionChoice) -> CharactersConfig {
-    CharactersConfig { avoid: Some(AvoidConfig::default()), bend_rad_per_m, choice, ..CharactersConfig::default() }
+fn config(choice: ActionChoice) -> CharactersConfig {
+    CharactersConfig { avoid: Some(AvoidConfig::default()), choice, ..CharactersConfig::default() }
 }
 
 /// Characters at the starts that have room, among those asked for.
 fn character_group_of(starts: &[(f32, f32, f32, u32)], config: CharactersConfig) -> PolicyCharacters {
-    let mut group = PolicyCharacters::with_capacity(&tables(), starts.len(), config).unwrap();
+    let mut group = PolicyCharacters::with_capacity(&bent_tables(&[]), starts.len(), config).unwrap();
     for &(x, z, heading, state) in starts {
         match group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state), floor_m: 0.0 }) {
             Ok(_) | Err(Error::Occupied { .. }) => {}
@@ -52,7 +52,7 @@ fn who_walks_up_a_ramp_comes_to_be_above_others() {
         height if height > 2.0 => vec![0.0, height],
         height => vec![height],
     };
-    let mut group = PolicyCharacters::with_capacity(&tables(), 2, config(0.0, ActionChoice::BestAction)).unwrap();
+    let mut group = PolicyCharacters::with_capacity(&bent_tables(&[]), 2, config(ActionChoice::BestAction)).unwrap();
     group.set_ground(floors(above_and_below));
     let spawn = |group: &mut PolicyCharacters, at: Vec2| {
         let root = Planar::new(at.x, at.y, 0.0);
@@ -111,10 +111,10 @@ proptest! {
     /// Under any orders and steps, no two discs ever overlap, and all are where their paths say.
     #[test]
     fn nobody_ever_walks_through_anybody(
-        starts in starts(), choice in choices(), bend in prop_oneof![Just(0.0f32), 0.0f32..0.6],
+        starts in starts(), choice in choices(),
         steps in proptest::collection::vec((0.001f32..0.25, -4.0f32..4.0, -4.0f32..4.0, any::<u8>()), 40..160),
     ) {
-        let mut group = character_group_of(&starts, config(bend, choice));
+        let mut group = character_group_of(&starts, config(choice));
         let ids: Vec<Id> = group.ids().to_vec();
         for (k, (dt_s, x, z, what)) in steps.into_iter().enumerate() {
             let id = ids[usize::from(what) % ids.len()];
@@ -150,7 +150,7 @@ proptest! {
             let share = ((p - wall.from).dot(offset) / offset.length_squared().max(1e-9)).clamp(0.0, 1.0);
             p.distance(wall.from + offset * share) - wall.radius_m - RADIUS_M
         };
-        let mut group = PolicyCharacters::with_capacity(&tables(), starts.len(), config(0.0, ActionChoice::BestAction)).unwrap();
+        let mut group = PolicyCharacters::with_capacity(&bent_tables(&[]), starts.len(), config(ActionChoice::BestAction)).unwrap();
         group.set_walls(&[wall]);
         for (x, z, heading, state) in starts {
             if let Ok(id) = group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state), floor_m: 0.0 }) {
@@ -172,7 +172,7 @@ proptest! {
     fn floors_above_each_other_are_two_places(
         starts in starts(), target in [-3.0f32..3.0, 3.0f32..7.0],
     ) {
-        let mut group = PolicyCharacters::with_capacity(&tables(), 2 * starts.len(), config(0.2, ActionChoice::BestAction)).unwrap();
+        let mut group = PolicyCharacters::with_capacity(&bent_tables(&[]), 2 * starts.len(), config(ActionChoice::BestAction)).unwrap();
         group.set_ground(floors(|_| vec![3.0, 0.0]));
         let mut pairs = Vec::new();
         for (x, z, heading, state) in starts {
@@ -197,8 +197,8 @@ proptest! {
     fn those_who_come_later_leave_those_who_walk_as_they_are(
         starts in starts(), before in 1usize..80, target in [-5.0f32..5.0, -5.0f32..5.0],
     ) {
-        let config = config(0.2, ActionChoice::BestAction);
-        let mut group = PolicyCharacters::with_capacity(&tables(), starts.len() + 1, config).unwrap();
+        let config = config(ActionChoice::BestAction);
+        let mut group = PolicyCharacters::with_capacity(&bent_tables(&[]), starts.len() + 1, config).unwrap();
         for (x, z, heading, state) in starts {
             if let Ok(id) = group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state), floor_m: 0.0 }) {
                 group.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
@@ -228,14 +228,14 @@ proptest! {
 
     #[test]
     fn a_snapshot_goes_on_as_what_was_saved(starts in starts(), before in 1usize..60, target in [-5.0f32..5.0, -5.0f32..5.0]) {
-        let mut first = character_group_of(&starts, config(0.2, ActionChoice::LookAhead { temperature: 0.5 }));
+        let mut first = character_group_of(&starts, config(ActionChoice::LookAhead { temperature: 0.5 }));
         for &id in &first.ids().to_vec() {
             first.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
         }
         (0..before).for_each(|_| first.step(0.04, &Inline).unwrap());
         let mut saved = Vec::new();
         first.save(&mut saved);
-        let mut second = PolicyCharacters::with_capacity(&tables(), starts.len(), first.characters().config).unwrap();
+        let mut second = PolicyCharacters::with_capacity(&bent_tables(&[]), starts.len(), first.characters().config).unwrap();
         second.load(&saved).unwrap();
         for _ in 0..60 {
             first.step(0.03, &Inline).unwrap();
@@ -247,7 +247,7 @@ proptest! {
 
 #[test]
 fn the_stop_of_one_who_has_not_begun_follows_its_segment() {
-    let mut group = character_group_of(&[(0.0, 0.0, 0.0, 1)], config(0.0, ActionChoice::BestAction));
+    let mut group = character_group_of(&[(0.0, 0.0, 0.0, 1)], config(ActionChoice::BestAction));
     let (tables, mut out) = (tables(), crate::reserve::ReservedPath::default());
     let motion_set = crate::characters::MotionSet::new(&tables);
     // A step has passed the end of the segment, and every path is reserved anew before the next choice.
@@ -263,7 +263,7 @@ fn threads_change_nothing() {
     let crowd: Vec<_> =
         (0..400).map(|i| ((i % 20) as f32 * 1.1, (i / 20) as f32 * 1.1, i as f32, i as u32 % 4)).collect();
     let run = |run: &dyn Executor| {
-        let mut group = character_group_of(&crowd, config(0.1, ActionChoice::LookAhead { temperature: 0.3 }));
+        let mut group = character_group_of(&crowd, config(ActionChoice::LookAhead { temperature: 0.3 }));
         for (k, &id) in group.ids().to_vec().iter().enumerate() {
             group
                 .order(id, PolicyOrder::towards(0, Vec3::new((k * 7 % 22) as f32, 0.0, (k * 13 % 22) as f32)))
@@ -278,7 +278,7 @@ fn threads_change_nothing() {
 
 #[test]
 fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
-    let mut group = PolicyCharacters::with_capacity(&tables(), 3, config(0.0, ActionChoice::BestAction)).unwrap();
+    let mut group = PolicyCharacters::with_capacity(&bent_tables(&[]), 3, config(ActionChoice::BestAction)).unwrap();
     let first = group.spawn(Spawn { root: Planar::IDENTITY, state: Some(0), floor_m: 0.0 }).unwrap();
     let near = Spawn { root: Planar::new(0.5, 0.0, 0.0), state: Some(0), floor_m: 0.0 };
     assert!(matches!(group.spawn(near), Err(Error::Occupied { .. })));
@@ -287,8 +287,8 @@ fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
     assert!(matches!(group.place(far, Planar::new(0.3, 0.3, 0.0)), Err(Error::Occupied { .. })));
     assert_eq!(group.hash(), before);
     // The same places without avoidance: two overlap, which characters with avoidance do not accept.
-    let blind = CharactersConfig { avoid: None, ..config(0.0, ActionChoice::BestAction) };
-    let mut others = PolicyCharacters::with_capacity(&tables(), 3, blind).unwrap();
+    let blind = CharactersConfig { avoid: None, ..config(ActionChoice::BestAction) };
+    let mut others = PolicyCharacters::with_capacity(&bent_tables(&[]), 3, blind).unwrap();
     others.spawn(Spawn { root: Planar::IDENTITY, state: Some(0), floor_m: 0.0 }).unwrap();
     others.spawn(near).unwrap();
     assert_eq!(group.characters.find_path_conflict(&group.motion_set, &others.characters.saved_blocks().0, 2), Some(1));
@@ -299,7 +299,7 @@ fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
 #[test]
 fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
     let at = |x: f32| Spawn { root: Planar::new(x, 0.0, 0.0), state: Some(0), floor_m: 0.0 };
-    let mut group = PolicyCharacters::with_capacity(&tables(), 4, config(0.0, ActionChoice::BestAction)).unwrap();
+    let mut group = PolicyCharacters::with_capacity(&bent_tables(&[]), 4, config(ActionChoice::BestAction)).unwrap();
     let gone = group.spawn(at(20.0)).unwrap();
     let ids = [0.0, 0.65].map(|x| group.spawn(at(x)).unwrap());
     // Ids and rows are not the same from here on.
@@ -346,7 +346,7 @@ fn blows_come_in_the_order_of_their_numbers() {
     // Every character strikes twice: at the end of a segment and at the start of the next one.
     let hits: Vec<_> = (0..80).map(crate::characters::tests::blows::hit).collect();
     let tables = crate::characters::made_up::tables_with(&hits);
-    let mut group = PolicyCharacters::with_capacity(&tables, 12, config(0.0, ActionChoice::BestAction)).unwrap();
+    let mut group = PolicyCharacters::with_capacity(&tables, 12, config(ActionChoice::BestAction)).unwrap();
     (0..12).for_each(|k| {
         _ = group
             .spawn(Spawn { root: Planar::new(9.0 * k as f32, 0.0, 0.0), state: Some(k % 4), floor_m: 0.0 })
@@ -367,7 +367,7 @@ fn two_who_meet_pass_each_other() {
     // The made-up motion only walks ahead: one is held until the other is gone.
     let mut group = character_group_of(
         &[(0.0, 0.0, 0.0, 0), (0.35, 6.0, std::f32::consts::PI, 0)],
-        config(0.3, ActionChoice::BestAction),
+        config(ActionChoice::BestAction),
     );
     assert_eq!(group.ids().len(), 2);
     (0..400).for_each(|_| group.step(0.02, &Inline).unwrap());
@@ -400,7 +400,7 @@ fn ways_that_leap_are_saved_and_read_back_and_refused_where_they_leap_too_far() 
         let bundle = with_root_at(x).unwrap();
         for trial in 0..100 {
             let draw = |n: u64| uniform_random(k as u64, trial, n);
-            let config = config(0.2, ActionChoice::BestAction);
+            let config = config(ActionChoice::BestAction);
             let mut group = PolicyCharacters::with_capacity(&bundle, 6, config).unwrap();
             for n in 0..6 {
                 let root = Planar::new((n % 3) as f32 * 4.0, (n / 3) as f32 * 4.0, 6.0 * draw(n));

@@ -71,10 +71,10 @@ fn characters_strike_where_they_pass_the_frames_of_hits() {
 
 #[test]
 fn a_blow_is_where_the_clip_lies_in_the_world() {
-    let r = MotionSet::new(&tables_with(&hits()));
     let orders = orders(9);
-    for bend_rad_per_m in [0.0, 0.5] {
-        let mut characters = Characters::new(&r, CharactersConfig { bend_rad_per_m, ..plain() }, &starts(9)).unwrap();
+    for tables in [tables_with(&hits()), crate::characters::made_up::bent_tables(&hits())] {
+        let r = MotionSet::new(&tables);
+        let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
         let mut seen = 0;
         for _ in 0..200 {
             // A step a frame: a blow lies where the root is, then.
