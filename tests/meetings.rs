@@ -3,6 +3,8 @@
 use crate::things::BUNDLE;
 use std::f32::consts::PI;
 use std::path::Path;
+use throng_core::Joint;
+use throng_core::glam::Vec3;
 use throng_simulation::{Scene, Simulation};
 
 fn simulation(text: &str) -> Simulation {
@@ -141,4 +143,77 @@ walk = { do = [{ leave = [8.0, 0.0] }] }
         }
     }
     assert!(entered.iter().sum::<u32>() > 20 && entered.iter().any(|&n| n > 2), "{entered:?}");
+}
+
+/// Three who walk past a stand: one waves at it, one points at it, one telephones for a while.
+const GESTURES: &str = r#"
+bundle = "people.throng"
+places = [{ name = "stand", at = [4.0, 6.0], radius_m = 0.5 }]
+[[groups]]
+motion = "blend"
+spaces = ["ahead"]
+count = 3
+place = { block = { from = [-0.5, -5.0], to = [0.5, 1.0], jitter = 0.0 } }
+speed_mps = [1.2, 1.2]
+goal = { point = { at = [0.0, 40.0] } }
+[[events]]
+name = "bell"
+at_s = 2.0
+[[events]]
+name = "silence"
+at_s = 7.0
+[[rules]]
+on = "bell"
+when = "me.z > 1"
+do = [{ gesture = "wave", at = "stand", for_s = 3 }]
+[[rules]]
+on = "bell"
+when = "me.z <= 1 and me.z > -1"
+do = [{ gesture = "point", at = "stand" }]
+[[rules]]
+on = "bell"
+when = "me.z <= -1"
+do = [{ gesture = "phone" }]
+[[rules]]
+on = "silence"
+do = [{ gesture = "none" }]
+"#;
+
+#[test]
+fn arms_wave_point_and_telephone_while_people_walk_on() {
+    let mut sim = simulation(GESTURES);
+    let [shoulder, wrist, head] = [Joint::RightUpperArm, Joint::RightHand, Joint::Head].map(Joint::index);
+    // Heights of a hand over its shoulder, its distances from the head, and angles between the arm and the stand, before, during and after.
+    let stand = Vec3::new(4.0, 1.2, 6.0);
+    let mut seen = [[[0.0f32; 3]; 3]; 3];
+    while sim.time_s() < 10.0 {
+        sim.step(1.0 / 30.0).unwrap();
+        let time_s = sim.time_s();
+        let Some(when) = [1.5, 4.0, 9.5].iter().position(|t| (time_s - t).abs() < 0.02) else { continue };
+        for who in 0..3 {
+            let joints = sim.joint_positions(who).expect("a body");
+            // Who walks with the stand on the left points with the left arm.
+            let [left_shoulder, left_wrist] = [Joint::LeftUpperArm, Joint::LeftHand].map(|j| joints[j.index()]);
+            let off = (left_wrist - left_shoulder).angle_between(stand - left_shoulder);
+            seen[when][who] = [joints[wrist].y - joints[shoulder].y, joints[wrist].distance(joints[head]), off];
+        }
+    }
+    let [before, during, after] = seen;
+    assert!(during[2][0] > 0.1 && before[2][0].max(after[2][0]) < -0.2, "the hand that waves: {seen:?}");
+    assert!(during[1][2] < 0.3 && before[1][2].min(after[1][2]) > 0.5, "the arm that points: {seen:?}");
+    assert!(during[0][1] < 0.3 && before[0][1].min(after[0][1]) > 0.4, "the hand with the telephone: {seen:?}");
+    let z = |who: usize| sim.root(who).expect("a body").z;
+    assert!((0..3).all(|who| z(who) > 5.0), "all walk on");
+}
+
+#[test]
+fn gestures_that_are_none_and_points_at_nothing_are_refused() {
+    let refused = |from: &str, to: &str| {
+        let text = GESTURES.replacen(from, to, 1);
+        Scene::parse(&text, Path::new("a.toml")).and_then(|s| s.compile(&BUNDLE).map(drop)).unwrap_err().to_string()
+    };
+    let e = refused("gesture = \"wave\"", "gesture = \"shrug\"");
+    assert!(e.contains("one of wave, point, phone") && e.contains("none"), "{e}");
+    let e = refused("gesture = \"point\", at = \"stand\"", "gesture = \"point\"");
+    assert!(e.contains("expected `at`"), "{e}");
 }

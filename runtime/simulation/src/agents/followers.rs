@@ -106,7 +106,9 @@ impl Followers {
         let troop = &mut self.troops[t];
         let faces = outside.faced_position(agent);
         let ahead = faces.map(|faces| (faces - at).xz());
-        troop.order_gaze(row, ahead, faces);
+        let gesture = outside.gesture_now(agent);
+        troop.order_gaze(row, ahead, faces.or(gesture.and_then(|g| g.1)));
+        troop.order_gesture(row, gesture);
         let speed_mps = outside.ids[agent].and_then(|id| outside.crowd.smooth_velocity(id)).map_or(0.0, |v| v.length());
         let held = faces.and_then(|_| troop.held_position(row, at.xz(), speed_mps));
         troop.order_stand(row, shown.stands.map(|at| at.xz()).or(held));

@@ -5,12 +5,12 @@ use super::stage::BodyActivity;
 use super::things::{HandlingCounts, ThingState, is_near};
 use super::troop::SavedTroop;
 use crate::motion_kind::{check_snapshot, refused_snapshot, saved_bytes};
-use crate::scenario::AgentBrains;
+use crate::scenario::{AgentBrains, GESTURES, ShownGesture};
 use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Id, Result, SnapshotKind};
 use throng_crowd::Space;
 
-const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 7, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 8, setup: 0 };
 
 /// State that changes with time. Names are those of [`super::stage::Outside`] and its layout.
 #[derive(Serialize, Deserialize)]
@@ -22,6 +22,7 @@ struct SavedAgents<V> {
     sent: Vec<u32>,
     ordered_happenings: Vec<Option<u16>>,
     shown: Vec<BodyActivity>,
+    gestures: Vec<Option<ShownGesture>>,
     things: Vec<ThingState>,
     handled: HandlingCounts,
     paths: Vec<Vec<V>>,
@@ -42,6 +43,7 @@ impl<V: Space> SceneAgents<V> {
             sent: outside.sent.clone(),
             ordered_happenings: outside.ordered_happenings.clone(),
             shown: outside.shown.clone(),
+            gestures: outside.gestures.clone(),
             things: outside.things.all.clone(),
             handled: outside.things.counts,
             paths: outside.layout.paths.clone(),
@@ -78,6 +80,7 @@ impl<V: Space> SceneAgents<V> {
         outside.agents_reported.clone_from(&outside.agent_of);
         (outside.sent, outside.ordered_happenings, outside.shown) = (saved.sent, saved.ordered_happenings, saved.shown);
         (outside.things.all, outside.things.counts) = (saved.things, saved.handled);
+        outside.gestures = saved.gestures;
         outside.things.reaches = true;
         (outside.layout.paths, outside.layout.arrivals) = (saved.paths, saved.arrivals);
         outside.newcomers.clear();
@@ -89,9 +92,9 @@ impl<V: Space> SceneAgents<V> {
         let n = self.num_agents();
         let lengths =
             [saved.ids.len(), saved.sent.len(), saved.ordered_happenings.len(), saved.shown.len(), saved.paths.len()];
-        let more = [saved.arrivals.len(), saved.agent_of.len()];
+        let more = [saved.arrivals.len(), saved.agent_of.len(), saved.gestures.len()];
         let has_brains = saved.brains.is_some() == self.brains.is_some();
-        if lengths != [n; 5] || more != [n; 2] || saved.followers.len() != self.followers.len() || !has_brains {
+        if lengths != [n; 5] || more != [n; 3] || saved.followers.len() != self.followers.len() || !has_brains {
             return Err("it has other agents");
         }
         let happenings = self.stage.layout.scene.happenings.len();
@@ -107,9 +110,19 @@ impl<V: Space> SceneAgents<V> {
                 && s.other.is_none_or(|other| (other as usize) < n)
                 && [s.faces, s.stands].iter().flatten().all(is_near)
         });
+        let are_gestures = saved.gestures.iter().flatten().all(|g| {
+            g.at.iter().all(is_near)
+                && g.other.is_none_or(|other| (other as usize) < n)
+                && GESTURES.iter().any(|known| known.1 == g.arm)
+                && g.until_s >= 0.0
+        });
         let are_agents = saved.agent_of.iter().all(|&a| (a as usize) < n);
         let are_paths = saved.paths.iter().all(is_path) && saved.arrivals.iter().all(|a| a.is_finite());
-        if are_paths && has_room && is_seen && are_agents { Ok(()) } else { Err("somebody is on no path") }
+        if are_paths && has_room && is_seen && are_gestures && are_agents {
+            Ok(())
+        } else {
+            Err("somebody is on no path")
+        }
     }
 }
 
@@ -136,6 +149,10 @@ mod tests {
         for (n, change) in [
             |a: &mut SceneAgents<Vec2>| a.stage.shown[0].motion = Some(1),
             |a: &mut SceneAgents<Vec2>| a.stage.shown[0].faces = Some(Vec3::MAX),
+            |a: &mut SceneAgents<Vec2>| {
+                let arm = throng_core::body::ArmLayer::Point(Vec3::MAX);
+                a.stage.gestures[0] = Some(ShownGesture { arm, at: None, other: None, until_s: 1.0 });
+            },
             |a: &mut SceneAgents<Vec2>| a.stage.ids[2] = a.stage.ids[1],
             |a: &mut SceneAgents<Vec2>| a.stage.sent[0] = u32::MAX / 64 - 1,
             |a: &mut SceneAgents<Vec2>| a.stage.things.counts.missed = u32::MAX,

@@ -2,7 +2,7 @@
 
 use super::layout::CrowdLayout;
 use super::things::{Handler, Things};
-use crate::scenario::{Handling, ScenarioStage, Signal, Stance, StanceError};
+use crate::scenario::{Handling, ScenarioStage, ShownGesture, Signal, Stance, StanceError};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use throng_base::{Error, Result};
 use throng_core::blend::ActivityId;
+use throng_core::body::ArmLayer;
 use throng_crowd::{
     AgentOrder, AtEnd, Crowd, CrowdError, CrowdEvent, CrowdEventKind, Id, InterestLocation, PersonalInterest, Route,
     RouteBegin, Sense, Space,
@@ -37,6 +38,8 @@ pub(crate) struct CrowdStage<V> {
     pub ordered_happenings: Vec<Option<u16>>,
     /// Activity of each agent's body.
     pub shown: Vec<BodyActivity>,
+    /// Gesture of each agent's arms.
+    pub gestures: Vec<Option<ShownGesture>>,
     pub things: Things,
     /// Agents that have entered since the last step of bodies.
     pub newcomers: Vec<u32>,
@@ -91,6 +94,7 @@ impl<V: Space> CrowdStage<V> {
             sent: vec![0; num],
             ordered_happenings: vec![None; num],
             shown: vec![BodyActivity::default(); num],
+            gestures: vec![None; num],
             things: Things::new(&layout.scene.things),
             newcomers: Vec::with_capacity(num),
             has_brains: false,
@@ -116,6 +120,12 @@ impl<V: Space> CrowdStage<V> {
     pub fn faced_position(&self, agent: usize) -> Option<Vec3> {
         let shown = self.shown[agent];
         shown.other.and_then(|other| self.position(other)).or(shown.faces)
+    }
+
+    /// Gesture of an agent's arms at the moment, and the position at which it is aimed (m).
+    pub fn gesture_now(&self, agent: usize) -> Option<(ArmLayer, Option<Vec3>)> {
+        let gesture = self.gestures[agent].filter(|g| self.crowd.time_s() < g.until_s)?;
+        Some((gesture.arm, gesture.other.and_then(|other| self.position(other)).or(gesture.at)))
     }
 
     /// Signal to the brains for an event of the engine; `None` for events that do not concern them.
@@ -258,6 +268,10 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         self.shown[agent as usize] = BodyActivity { motion, faces, ..BodyActivity::default() };
     }
 
+    fn show_gesture(&mut self, agent: u32, gesture: Option<ShownGesture>) {
+        self.gestures[agent as usize] = gesture;
+    }
+
     fn face_agent(&mut self, agent: u32, other: u32) {
         self.shown[agent as usize].other = Some(other);
     }
@@ -323,6 +337,7 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
                 self.agent_of[id.index()] = agent;
                 self.newcomers.push(agent);
                 (self.ordered_happenings[agent as usize], self.shown[agent as usize]) = (None, BodyActivity::default());
+                self.gestures[agent as usize] = None;
                 self.layout.paths[agent as usize].clear();
                 self.layout.paths[agent as usize].push(start.position);
                 self.sent[agent as usize] = 0;

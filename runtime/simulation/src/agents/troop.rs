@@ -15,6 +15,9 @@ use throng_crowd::{Crowd, Id};
 /// Half-life of the distance of a body from the place where it stands still, or from its disc when it returns (s).
 const ASIDE_HALF_LIFE_S: f32 = 0.15;
 
+/// Height above the ground of what an arm points at (m).
+const POINTED_M: f32 = 1.2;
+
 /// Largest distance of a body that faces somebody or something from its disc (m).
 const HELD_M: f32 = 0.2;
 
@@ -129,6 +132,24 @@ impl Troop {
     /// Ends the reaching of all hands.
     pub fn free_hands(&mut self) {
         self.controls.iter_mut().for_each(|c| c.layers.arms = [None; 2]);
+    }
+
+    /// Orders a gesture of the arms that do not reach for something, aimed at a position, or none (m, row < number of bodies).
+    pub fn order_gesture(&mut self, row: usize, gesture: Option<(ArmLayer, Option<Vec3>)>) {
+        let arms = &mut self.controls[row].layers.arms;
+        arms.iter_mut().filter(|arm| !matches!(arm, Some(ArmLayer::Reach { .. }))).for_each(|arm| *arm = None);
+        let Some((arm, at)) = gesture else { return };
+        let is_left = |at: Vec3| self.walkers.bodies().roots[row].inverse_transform_point(at.xz()).x > 0.0;
+        let (arm, sides) = match (arm, at) {
+            (ArmLayer::Point(_), Some(at)) => {
+                (ArmLayer::Point(at + Vec3::Y * POINTED_M), if is_left(at) { 0..1 } else { 1..2 })
+            }
+            (ArmLayer::CarryBefore, _) => (arm, 0..2),
+            _ => (arm, 1..2),
+        };
+        for side in sides {
+            arms[side].get_or_insert(arm);
+        }
     }
 
     /// Orders a hand of the body of a row (0 left, 1 right) to reach for something (row < number of bodies).

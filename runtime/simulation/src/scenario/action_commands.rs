@@ -1,7 +1,7 @@
 //! Execution of behaviours: actions one after the other, the slots that they claim, and their effects.
 
 use super::action_registry::{
-    ActionArguments, ActionCommand, ActionOperand, ActionWords, Effect, PrimitiveInput, WalkCommand,
+    ActionArguments, ActionCommand, ActionOperand, ActionWords, Effect, GESTURES, PrimitiveInput, WalkCommand,
 };
 use super::agent_brain::{ActionPhase, AgentBrain, EventContext, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, place_context};
@@ -9,7 +9,7 @@ use super::blackboards::BlackboardNote;
 use super::courses::CourseBegin;
 use super::language::{Amount, SpotName};
 use super::perceive::AgentView;
-use super::stage::ScenarioStage;
+use super::stage::{ScenarioStage, ShownGesture};
 use super::tables::{ActionClaim, CompiledAction, NONE, trigger};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -443,6 +443,15 @@ impl AgentBrains {
             Effect::Open => self.set_door_open(stage, usize::from(number), true)?,
             Effect::Close => self.set_door_open(stage, usize::from(number), false)?,
             Effect::Release => self.release_slot(stage, agent)?,
+            Effect::Gesture => {
+                let gesture = GESTURES.get(usize::from(number)).map(|&(_, arm, usual_s)| ShownGesture {
+                    arm,
+                    at: said.targets[1],
+                    other: (words[1] == ActionOperand::Spot(SpotName::Other)).then_some(context.other),
+                    until_s: self.now + said.amount(2, usual_s).max(0.0),
+                });
+                stage.show_gesture(agent, gesture);
+            }
             Effect::Timer => self.brains[agent as usize].timer = self.now + said.amount(0, 0.0).max(0.0),
         }
         Ok(())

@@ -4,6 +4,7 @@ use super::language::Amount;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::thresholds::STANDING_MPS;
+use throng_core::body::ArmLayer;
 
 /// Kind of an argument of an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +39,8 @@ pub enum WordKind {
     Points,
     /// Yes or no.
     Flag,
+    /// Name of a gesture.
+    Gesture,
 }
 
 /// Effect of an action that takes no time.
@@ -67,7 +70,19 @@ pub enum Effect {
     Release,
     /// Sets the time until `timer` happens.
     Timer,
+    /// Begins a gesture of the arms, or ends it.
+    Gesture,
 }
+
+/// Gestures that scene files name, in order; their times where none is given (s). One more name, `none`, ends a gesture.
+pub(crate) const GESTURES: [(&str, ArmLayer, f64); 6] = [
+    ("wave", ArmLayer::Wave, 3.0),
+    ("point", ArmLayer::Point(Vec3::ZERO), 3.0),
+    ("phone", ArmLayer::Phone, f64::INFINITY),
+    ("carry_beside", ArmLayer::CarryBeside, f64::INFINITY),
+    ("carry_before", ArmLayer::CarryBefore, f64::INFINITY),
+    ("carry_on_shoulder", ArmLayer::CarryOnShoulder, f64::INFINITY),
+];
 
 /// Primitive behaviour: a name, its arguments, and a function.
 #[derive(Clone, Copy, Debug)]
@@ -231,6 +246,11 @@ const EFFECTS: &[EffectWords] = &[
     ("close", &[("close", WordKind::Door)], Effect::Close),
     ("release", &[("release", WordKind::Flag)], Effect::Release),
     ("timer", &[("timer", WordKind::Amount)], Effect::Timer),
+    (
+        "gesture",
+        &[("gesture", WordKind::Gesture), ("at", WordKind::Target), ("for_s", WordKind::Amount)],
+        Effect::Gesture,
+    ),
 ];
 
 /// Action registry: all primitive behaviours that scene files may name.

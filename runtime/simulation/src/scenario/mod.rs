@@ -26,6 +26,7 @@ mod tables;
 mod tests;
 mod turns;
 
+pub(crate) use action_registry::GESTURES;
 pub use action_registry::{
     ActionArguments, ActionCommand, ActionRegistry, PrimitiveBehaviour, PrimitiveInput, WalkCommand, WordKind,
 };
@@ -39,6 +40,6 @@ pub(crate) use perceive::hashed_chance;
 pub use sample::evaluate_sample;
 pub use services::{ServiceStatistics, SourceStatistics, TillStatistics};
 pub(crate) use stage::SIDES;
-pub use stage::{Handling, ScenarioStage, Stance, StanceError};
+pub use stage::{Handling, ScenarioStage, ShownGesture, Stance, StanceError};
 pub use tables::Scenario;
 pub use turns::{CurrentState, Turn, TurnKind};

@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use throng_base::Result;
+use throng_core::body::ArmLayer;
 
 /// Handling of a thing by hands.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,6 +15,19 @@ pub struct Handling {
     pub puts: bool,
     /// Position at which it lies, or is to lie (m).
     pub at: Vec3,
+}
+
+/// Gesture of the arms of an agent.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShownGesture {
+    /// What the arms do; a point that is aimed at is given by the next two.
+    pub arm: ArmLayer,
+    /// Position at which it is aimed (m).
+    pub at: Option<Vec3>,
+    /// Number of the agent at which it is aimed, in place of the position.
+    pub other: Option<u32>,
+    /// End; infinite where it never ends (s).
+    pub until_s: f64,
 }
 
 /// Number of directions from which a thing can be reached.
@@ -86,6 +100,9 @@ pub trait ScenarioStage {
 
     /// Orders what the body of an agent does from now on: motion of a tag, facing a place.
     fn show_activity(&mut self, agent: u32, motion: Option<u16>, faces: Option<Vec3>);
+
+    /// Orders a gesture of the arms of an agent's body beside all else, or none.
+    fn show_gesture(&mut self, agent: u32, gesture: Option<ShownGesture>);
 
     /// Lets the body of an agent face another agent from now on, wherever that goes.
     fn face_agent(&mut self, agent: u32, other: u32);

@@ -1,7 +1,7 @@
 //! Compilation of expressions and behaviours: predicates, amounts, actions with their arguments.
 
 use super::{CompileFault, CompileResult, ScenarioCompiler, checked_point, compile_fault};
-use crate::scenario::action_registry::{ActionOperand, Effect, MAX_WORDS, RegisteredAction, WordKind};
+use crate::scenario::action_registry::{ActionOperand, Effect, GESTURES, MAX_WORDS, RegisteredAction, WordKind};
 use crate::scenario::language::{self, Amount, NameKind, Program, SpotName, Type};
 use crate::scenario::tables::{ActionClaim, CompiledAction, Scenario};
 use crate::scene::{ActionConfig, StoryBehaviour, WordConfig};
@@ -163,6 +163,11 @@ impl ScenarioCompiler<'_> {
             }
             _ => {}
         }
+        let aims =
+            matches!(said[0], ActionOperand::Number(n) if GESTURES.get(usize::from(n)).is_some_and(|g| g.0 == "point"));
+        if words[0].1 == WordKind::Gesture && aims && said[1] == ActionOperand::Nothing {
+            return compile_fault(key, "expected `at`, the target at which the arm points");
+        }
         let at = match said[0] {
             ActionOperand::Point(at) => Some(Vec3::from_array(at)),
             ActionOperand::Spot(SpotName::Place(place)) => Some(self.out.places[usize::from(place)].at),
@@ -246,6 +251,13 @@ impl ScenarioCompiler<'_> {
                     return compile_fault(key, format!("there is no value `{name}`.{help}"));
                 }
             },
+            (WordKind::Gesture, WordConfig::Text(name)) => {
+                let names = || GESTURES.iter().map(|g| g.0).chain(["none"]);
+                match names().position(|known| known == name) {
+                    Some(number) => ActionOperand::Number(number as u16),
+                    None => return expected(&format!("one of {}", names().collect::<Vec<_>>().join(", "))),
+                }
+            }
             (WordKind::Motion, _) => return expected("a tag of motion, in quotes"),
             (WordKind::Points, _) => return expected("2 to 1000 points"),
             _ => return expected("a name in quotes"),

@@ -11,7 +11,7 @@ mod things;
 
 use super::action_registry::ActionRegistry;
 use super::agent_brains::{AgentBrains, Signal};
-use super::stage::{Handling, ScenarioStage, StanceError};
+use super::stage::{Handling, ScenarioStage, ShownGesture, StanceError};
 use super::{Explanation, Scenario};
 use crate::scene::Scene;
 use glam::Vec3;
@@ -102,6 +102,8 @@ impl ScenarioStage for Paper {
         self.note(agent, format!("speed {speed_mps:.3}"));
         Ok(())
     }
+    fn show_gesture(&mut self, _: u32, _: Option<ShownGesture>) {}
+
     fn show_activity(&mut self, agent: u32, motion: Option<u16>, _: Option<Vec3>) {
         self.note(agent, format!("show {}", motion.is_some()));
     }
