@@ -171,9 +171,7 @@ impl<'a> PosedBodies<'a> {
         ensure(out.len() == self.ids.len(), || Error::Length { what: "out", got: out.len(), expected: expected() })?;
         for ((to, root), model) in out.iter_mut().zip(self.roots).zip(self.model) {
             let place = Mat3x4::from_rotation_translation(root.rotation(), root.translation());
-            for (to, joint) in to.iter_mut().zip(model) {
-                *to = place * *joint;
-            }
+            to.iter_mut().zip(model).for_each(|(to, joint)| *to = place * *joint);
         }
         Ok(())
     }

@@ -32,15 +32,8 @@ impl<V: Default> Default for Agent<V> {
 impl<V: Default> Agent<V> {
     /// A pedestrian of average size, at rest: [`AGENT_RADIUS_M`], [`WALK_SPEED_MPS`], 5 m/s2.
     pub fn standing_at(position: V) -> Self {
-        Self {
-            position,
-            velocity: V::default(),
-            radius: AGENT_RADIUS_M,
-            acceleration: 5.0,
-            speed: WALK_SPEED_MPS,
-            route: None,
-            field: 0,
-        }
+        let (radius, speed) = (AGENT_RADIUS_M, WALK_SPEED_MPS);
+        Self { position, velocity: V::default(), radius, acceleration: 5.0, speed, route: None, field: 0 }
     }
 }
 

@@ -98,14 +98,8 @@ impl From<CrowdError> for Error {
 }
 
 /// [`Error::Value`] about the setting of something, unless `good`.
-pub(crate) fn check(
-    what: &'static str,
-    number: usize,
-    got: f32,
-    good: bool,
-    expected: &'static str,
-) -> throng_base::Result<()> {
-    throng_base::error::check_value(what, Some(Id::first(number)), got, good, expected)
+pub fn check(what: &'static str, who: usize, got: f32, good: bool, expected: &'static str) -> throng_base::Result<()> {
+    throng_base::error::check_value(what, Some(Id::first(who)), got, good, expected)
 }
 
 #[cfg(test)]

@@ -173,9 +173,7 @@ impl<V: Space> CrowdScenery<V> {
             let path = scenery.prepare_path(index, route)?;
             scenery.paths.push(path);
         }
-        for (agent, m) in setup.agents.iter().enumerate() {
-            scenery.check_place(Id::first(agent), m.position)?;
-        }
+        setup.agents.iter().enumerate().try_for_each(|(agent, m)| scenery.check_place(Id::first(agent), m.position))?;
         scenery.list_solids(&cells);
         Ok((scenery, cells, grid))
     }

@@ -154,13 +154,8 @@ impl LevelSearch {
         let own = polygons[start as usize];
         for k in 0..own.num_edges {
             let [a, b] = [k, (k + 1) % own.num_edges].map(|k| edges[(own.first_edge + k) as usize]);
-            let node = SeenInterval {
-                root: 0,
-                polygon: a.neighbour,
-                edge: a.twin,
-                ends: [a, b].map(|e| level.flat(e.vertex)),
-                vertices: [a, b].map(|e| e.vertex),
-            };
+            let (ends, vertices) = ([a, b].map(|e| level.flat(e.vertex)), [a, b].map(|e| e.vertex));
+            let node = SeenInterval { root: 0, polygon: a.neighbour, edge: a.twin, ends, vertices };
             if a.neighbour != NONE && !self.is_dead_end(level, node.polygon, target) {
                 self.wait(node, target, most_m);
             }
@@ -266,14 +261,8 @@ impl LevelSearch {
                 };
                 let [(from, a), (to, b)] = [from, to].map(cut);
                 if edge.neighbour != NONE {
-                    let node = SeenInterval {
-                        root,
-                        polygon: edge.neighbour,
-                        edge: edge.twin,
-                        ends: [from, to],
-                        vertices: [a, b],
-                    };
-                    self.fresh.push(node);
+                    let (polygon, ends, vertices) = (edge.neighbour, [from, to], [a, b]);
+                    self.fresh.push(SeenInterval { root, polygon, edge: edge.twin, ends, vertices });
                 }
             }
         }

@@ -97,10 +97,7 @@ impl TomlSource {
                 T::deserialize(SpannedValue { value: &DeValue::Table(table.into_inner()), span })
             })
             .map_err(|TomlFault { why, span }| {
-                let way_out = match nearest_key(&why) {
-                    Some(name) => format!("Did you mean `{name}`?"),
-                    None => help.into(),
-                };
+                let way_out = nearest_key(&why).map_or_else(|| help.into(), |name| format!("Did you mean `{name}`?"));
                 let why = format!("{}. {way_out}", why.trim_end().trim_end_matches('.'));
                 self.error_at_span(span.unwrap_or(0..0), why)
             })

@@ -139,14 +139,10 @@ pub(crate) type Bearing = [Lane; 2];
 
 /// Moves a foot from where the examples have it to where it goes.
 #[inline(always)]
-pub(crate) fn lock_foot<F: Lanes>(
-    t: &FootLockInputs<'_, F>,
-    foot: &mut FootLock,
-    wanted: SolePose<F>,
-) -> (SolePose<F>, Bearing) {
+pub fn lock_foot<F: Lanes>(t: &FootLockInputs<'_, F>, foot: &mut FootLock, to: SolePose<F>) -> (SolePose<F>, Bearing) {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
-    let wanted = tilt_sole(t, wanted);
-    let (heel, ball) = (wanted.foot.rotate(load(&t.leg.heel)), wanted.foot.rotate(load(&t.leg.ball)));
+    let to = tilt_sole(t, to);
+    let (heel, ball) = (to.foot.rotate(load(&t.leg.heel)), to.foot.rotate(load(&t.leg.ball)));
     let share = ball_share(t.leg, t.scale, over_ground(t, heel), over_ground(t, ball));
     // A part that alone is on the ground bears all.
     let half = F::splat(0.5);
@@ -161,11 +157,11 @@ pub(crate) fn lock_foot<F: Lanes>(
     let turn = turn_of(t, foot, held, ball - heel);
     let spin = about_y(turn);
     let (heel, ball) = (spin.rotate(heel), spin.rotate(ball));
-    let offset = offset_of(t, foot, held, wanted.ankle, [heel, ball], share);
+    let offset = offset_of(t, foot, held, to.ankle, [heel, ball], share);
     let mut sole = SolePose {
-        ankle: V::new(wanted.ankle.x + offset.x, wanted.ankle.y, wanted.ankle.z + offset.z),
-        foot: spin * wanted.foot,
-        toe: spin * wanted.toe,
+        ankle: V::new(to.ankle.x + offset.x, to.ankle.y, to.ankle.z + offset.z),
+        foot: spin * to.foot,
+        toe: spin * to.toe,
     };
     // A foot that is far from the ground stands on something else.
     let near = F::select_lt(F::load(&foot.height) + F::load(&foot.rise), F::splat(FOOT_NEAR_M) * t.scale, one, zero);

@@ -112,13 +112,7 @@ pub(crate) fn raise_heel<F: Lanes>(
 
 /// 1 where a leg, the hips lowered as they are, is too short for its foot by more than what cannot be seen, else 0.
 #[inline(always)]
-pub(crate) fn is_stretched<F: Lanes>(
-    body: &LaneBody,
-    side: usize,
-    natural: F,
-    sole: &SolePose<F>,
-    pose: &ModelPose<F>,
-) -> F {
+pub fn is_stretched<F: Lanes>(body: &LaneBody, side: usize, natural: F, sole: &SolePose<F>, pose: &ModelPose<F>) -> F {
     let leg = &body.legs[side];
     let reach = ((F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(STRETCH))
         .max(natural * F::splat(NATURAL_STRETCH));

@@ -199,13 +199,7 @@ pub(crate) struct PoseOutput<'a> {
 
 /// Puts the feet of eight bodies where they belong. A trait and no closure: those are compiled without the processor's vectors.
 pub(crate) trait PlantFeet<F: Lanes> {
-    fn plant(
-        &mut self,
-        layers: &LayerLanes<'_>,
-        place: &PlacementLanes<F>,
-        state: &mut BodyState,
-        pose: &mut ModelPose<F>,
-    );
+    fn plant(&mut self, layers: &LayerLanes<'_>, at: &PlacementLanes<F>, own: &mut BodyState, pose: &mut ModelPose<F>);
 }
 
 /// Poses a block from what its motion is, transitions included: clips -> gaze -> reactions -> feet -> reach -> arms -> touch ->

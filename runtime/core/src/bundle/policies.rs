@@ -40,14 +40,9 @@ pub(super) fn open_policies(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError>
 }
 
 /// The policy whose rows begin `rest`, which is left with those of the policies after it.
-fn policy(
-    t: &Bundle,
-    actions: &ActionTable,
-    index: usize,
-    rest: &mut PolicySlices,
-) -> Result<PolicyTable, FormatError> {
-    let wrong = |e: Error| FormatError::value(tags::POLICIES, index, e.to_string());
-    let r = &t.policy_records()[index];
+fn policy(t: &Bundle, actions: &ActionTable, at: usize, rest: &mut PolicySlices) -> Result<PolicyTable, FormatError> {
+    let wrong = |e: Error| FormatError::value(tags::POLICIES, at, e.to_string());
+    let r = &t.policy_records()[at];
     let (num_states, num_segments) = (actions.num_states(), actions.num_segments());
     let num_errors = if r.reward.own_errors == 0 { 0 } else { actions.num_actions() };
     let num_paths = if r.grid.kind == KIND_SPACE_TIME { num_segments } else { 0 };
@@ -66,7 +61,7 @@ fn policy(
     };
     let policy = PolicyTable::new(r, actions.clone(), slices).map_err(wrong)?;
     let other_end = policy.segments().iter().zip(&t.graph().segments).position(|(p, s)| p.end != s.end);
-    refuse(tags::POLICY_SEGMENTS, other_end, &format!("policy {index} has another end than the motion graph"))?;
+    refuse(tags::POLICY_SEGMENTS, other_end, &format!("policy {at} has another end than the motion graph"))?;
     Ok(policy)
 }
 

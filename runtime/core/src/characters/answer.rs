@@ -274,10 +274,7 @@ impl Characters {
         let played = b.time[lane] as u32;
         let fit = FrameFit::new(motion_set, b.first[lane] + played);
         let who = AnsweringCharacter { b, lane, motion_set, played, fit };
-        let found = match order.is_to_stand() {
-            true => who.stand_entry(order),
-            false => who.goal_entry(order),
-        };
+        let found = if order.is_to_stand() { who.stand_entry(order) } else { who.goal_entry(order) };
         let Some(entry) = found else { return };
         let before = (*b, self.bodies[at / LANES]);
         let sweep = |segment: u32| motion_set.stops.sweeps[segment as usize].radius;

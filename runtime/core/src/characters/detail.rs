@@ -7,14 +7,8 @@ use crate::body::{Decay, DetailLevel, FramePosition, HALF_LIVES_KEPT, PlacementL
 use throng_base::simd::{LANES, Lanes};
 
 /// Wakes a body or lets it sleep, as its block's level requires.
-pub(super) fn set_awake(
-    level: DetailLevel,
-    block: &MotionBlock,
-    body: &mut BodyBlock,
-    motion_set: &MotionSet,
-    half_life_s: f32,
-) {
-    match (level, body.awake) {
+pub fn set_awake(to: DetailLevel, block: &MotionBlock, body: &mut BodyBlock, motion_set: &MotionSet, half_life_s: f32) {
+    match (to, body.awake) {
         (DetailLevel::Record, 1) => *body = BodyBlock::ZERO,
         (DetailLevel::Full | DetailLevel::FreeFeet, 0) => transition::wake_block(block, body, motion_set, half_life_s),
         _ => {}

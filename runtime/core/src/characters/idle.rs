@@ -226,10 +226,7 @@ impl StandingChooser<'_> {
     /// An idle action, or one on the way to a longer stand; `None` where any is far.
     fn rest_action(&self) -> Option<u8> {
         let action = self.motion_set.paths_to_stand.to_idle[self.state as usize];
-        match self.long_onwards().is_none() && action != NO_ACTION {
-            true => Some(action),
-            false => self.idle_action(),
-        }
+        if self.long_onwards().is_none() && action != NO_ACTION { Some(action) } else { self.idle_action() }
     }
 
     /// The segment with which the clip goes on, if it idles.

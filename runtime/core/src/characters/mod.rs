@@ -137,10 +137,7 @@ impl Characters {
             check_root(who, start.root)?;
             out.add_character(motion_set, *start, &arrivals, c as u64);
         }
-        match out.reserve_all(motion_set) {
-            Some(at) => Err(occupied_error(Id::first(at))),
-            None => Ok(out),
-        }
+        out.reserve_all(motion_set).map_or(Ok(out), |at| Err(occupied_error(Id::first(at))))
     }
 
     /// Room for characters that enter later: see [`Characters::enter_scheduled`].
@@ -219,17 +216,9 @@ impl Characters {
 
     /// Takes one step with checked arguments.
     pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[PolicyOrder], run: &dyn Executor) {
-        let config = self.config;
-        let (ground, touch) = (self.ground.clone(), self.touch.take());
-        let tick = CharactersTick {
-            dt_s,
-            motion_set,
-            config: &config,
-            ground: &ground,
-            orders,
-            touch: touch.as_deref(),
-            moves: true,
-        };
+        let (config, ground, partners) = (self.config, self.ground.clone(), self.touch.take());
+        let (config, ground, touch) = (&config, &ground, partners.as_deref());
+        let tick = CharactersTick { dt_s, motion_set, config, ground, orders, touch, moves: true };
         let n = self.num_characters;
         let num_ranges = n.div_ceil(RANGE_LEN);
         if let Some(detail) = &self.detail {
@@ -246,14 +235,14 @@ impl Characters {
                     let (first, count) = range_span(i, n);
                     step::advance_all(blocks, passed, first, count, &tick);
                 });
-                self.choose_avoiding(&avoid::ChoiceInputs { motion_set, config: &config, avoid, orders });
+                self.choose_avoiding(&avoid::ChoiceInputs { motion_set, config, avoid, orders });
                 self.passed[..num_ranges].iter_mut().for_each(|passed| passed.sort());
                 run_each(run, self.ranges(), |range| step::pose_all(range, &tick));
             }
             None => run_each(run, self.ranges(), |range| step::step(range, &tick)),
         }
         self.blows.gather_blows(&self.passed[..num_ranges], motion_set);
-        self.touch = touch;
+        self.touch = partners;
     }
 
     /// The parts of a step that threads may share.

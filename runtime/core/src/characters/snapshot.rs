@@ -135,19 +135,11 @@ impl Characters {
     pub(super) fn pose_again(&mut self, motion_set: &MotionSet) {
         let kept = (self.blocks.clone(), self.bodies.clone());
         self.matrices.fill(Mat3x4::default());
-        let config = self.config;
-        let (ground, touch) = (self.ground.clone(), self.touch.take());
-        let tick = CharactersTick {
-            dt_s: 0.0,
-            motion_set,
-            config: &config,
-            ground: &ground,
-            orders: &[],
-            touch: touch.as_deref(),
-            moves: false,
-        };
+        let (config, ground, partners) = (self.config, self.ground.clone(), self.touch.take());
+        let (config, ground, touch) = (&config, &ground, partners.as_deref());
+        let tick = CharactersTick { dt_s: 0.0, motion_set, config, ground, orders: &[], touch, moves: false };
         self.ranges().for_each(|range| step::pose_all(range, &tick));
-        self.touch = touch;
+        self.touch = partners;
         (self.blocks, self.bodies) = kept;
         self.blows.gather_blows(&[], motion_set);
     }
@@ -164,13 +156,7 @@ fn clear_beyond(blocks: &mut [MotionBlock], bodies: &mut [BodyBlock], n: usize) 
 /// True where one plays something that there is, somewhere (at < blocks.len() * LANES).
 ///
 /// - `name`: what its random choices depend on.
-pub(super) fn is_sound(
-    blocks: &[MotionBlock],
-    bodies: &[BodyBlock],
-    motion_set: &MotionSet,
-    at: usize,
-    name: u64,
-) -> bool {
+pub fn is_sound(blocks: &[MotionBlock], bodies: &[BodyBlock], motion_set: &MotionSet, at: usize, name: u64) -> bool {
     let (mut b, lane) = (blocks[at / LANES], at % LANES);
     let (first, length) = (b.first[lane], b.length[lane]);
     // A character on scheduled clips chooses nothing.

@@ -236,16 +236,8 @@ impl CharacterBlock<'_> {
         let BodyBlock { state, feet, .. } = body;
         let seen = state.seen;
         let (contacts, locks) = (&block.contacts, level == DetailLevel::Full && tick.config.foot_lock.enabled);
-        let balls = pose_block(
-            &r.body,
-            &mut motion,
-            &place,
-            &mut layers,
-            body_tick,
-            state,
-            &mut CapturedFeet { tick: feet_tick, body: &r.body, contacts, locks, speed: &speed, feet },
-            to,
-        );
+        let mut planted = CapturedFeet { tick: feet_tick, body: &r.body, contacts, locks, speed: &speed, feet };
+        let balls = pose_block(&r.body, &mut motion, &place, &mut layers, body_tick, state, &mut planted, to);
         feet_tick.clear_contacts_in_air::<F>(&r.body, &body.feet, &lift.to_array(), &mut block.contacts);
         body.state.swing.follow(balls, &block.contacts, &seen, &speed, tick.dt_s);
     }
@@ -265,28 +257,22 @@ struct CapturedFeet<'a, 't> {
 
 impl<F: Lanes> PlantFeet<F> for CapturedFeet<'_, '_> {
     #[inline(always)]
-    fn plant(
-        &mut self,
-        layers: &LayerLanes<'_>,
-        place: &PlacementLanes<F>,
-        state: &mut BodyState,
-        pose: &mut ModelPose<F>,
-    ) {
+    fn plant(&mut self, layers: &LayerLanes<'_>, at: &PlacementLanes<F>, own: &mut BodyState, pose: &mut ModelPose<F>) {
         let sunk = layers.hips_sink(self.body, pose);
-        let is_raised = state.drop.iter().all(|drop| drop.abs() < NOT_LOWERED_M);
+        let is_raised = own.drop.iter().all(|drop| drop.abs() < NOT_LOWERED_M);
         if !self.locks && self.tick.is_flat() && sunk.is_none() && is_raised {
-            (state.drop, state.drop_rate) = ([0.0; LANES], [0.0; LANES]);
+            (own.drop, own.drop_rate) = ([0.0; LANES], [0.0; LANES]);
             *self.feet = [FootLock::ZERO; 2];
             return;
         }
         let motion = FeetMotion {
-            feet: [self.foot_motion(0, place, pose), self.foot_motion(1, place, pose)],
+            feet: [self.foot_motion(0, at, pose), self.foot_motion(1, at, pose)],
             speed: self.speed,
             knee_rate: F::splat(KNEE_RADPS),
             sunk: sunk.unwrap_or(F::splat(0.0)),
-            lift: place.y - F::load(&state.base),
+            lift: at.y - F::load(&own.base),
         };
-        self.tick.plant_feet(self.body, &motion, place, state, self.feet, pose);
+        self.tick.plant_feet(self.body, &motion, at, own, self.feet, pose);
     }
 }
 
@@ -316,18 +302,12 @@ impl CapturedFeet<'_, '_> {
 
 /// Speed along where bodies face since they were last posed; 0 for new ones (m/s).
 #[inline(always)]
-fn forward_speed<F: Lanes>(
-    was: &Lane3,
-    block: &MotionBlock,
-    place: &PlacementLanes<F>,
-    seen: &Lane,
-    dt_s: f32,
-) -> Lane {
+fn forward_speed<F: Lanes>(was: &Lane3, block: &MotionBlock, at: &PlacementLanes<F>, seen: &Lane, dt_s: f32) -> Lane {
     if dt_s == 0.0 {
         return [0.0; LANES];
     }
     let (x, z) = (F::load(&block.root[0]) - F::load(&was[0]), F::load(&block.root[1]) - F::load(&was[1]));
-    let speed = (place.sin * x + place.cos * z) / F::splat(dt_s);
+    let speed = (at.sin * x + at.cos * z) / F::splat(dt_s);
     F::select_lt(F::splat(0.5), F::load(seen), speed, F::splat(0.0)).to_array()
 }
 

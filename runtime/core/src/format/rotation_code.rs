@@ -164,13 +164,10 @@ impl RotationCode {
     ///
     /// # Errors
     /// Those of `of_joint`.
-    pub fn fit_joints<E>(
-        skeleton: &Skeleton,
-        mut of_joint: impl FnMut(usize) -> Result<Vec<Quat>, E>,
-    ) -> Result<Self, E> {
+    pub fn fit_joints<E>(skeleton: &Skeleton, mut joint: impl FnMut(usize) -> Result<Vec<Quat>, E>) -> Result<Self, E> {
         let mut ranges = [(JointCode::zeroed(), 1.0); NUM_JOINTS];
         for (j, range) in ranges.iter_mut().enumerate() {
-            *range = ranges_of(&of_joint(j)?);
+            *range = ranges_of(&joint(j)?);
         }
         let mut joints = ranges.map(|r| r.0);
         // An error of x, y and z makes one of w that is the larger, the smaller w is.

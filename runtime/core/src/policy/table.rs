@@ -247,17 +247,9 @@ impl PolicyTable {
         check_length("own errors", slices.errors.len(), record.reward.own_errors as usize * actions.num_actions())?;
         check_numbers("own error", None, &slices.errors, |e| (0.0..1e9).contains(&e), "a distance")?;
         let bends = grid.is_polar() && slices.segments.iter().any(|s| s.heights[0] > 0.0);
-        let table = Self {
-            grid,
-            reward,
-            actions,
-            rows: slices,
-            region: record.region,
-            centre: Vec3::new(record.centre[0], 0.0, record.centre[1]),
-            num_choices,
-            discount: record.discount,
-            bends,
-        };
+        let centre = Vec3::new(record.centre[0], 0.0, record.centre[1]);
+        let (rows, region, discount) = (slices, record.region, record.discount);
+        let table = Self { grid, reward, actions, rows, region, centre, num_choices, discount, bends };
         table.check_best()?;
         Ok(table)
     }

@@ -170,13 +170,7 @@ impl PerformanceState {
     /// Moves time on, once the body was steered.
     ///
     /// - returns true where the performance has ended.
-    pub fn advance(
-        &mut self,
-        stage: &PerformanceInputs<'_>,
-        control: &Control,
-        block: &WalkerBlock,
-        lane: usize,
-    ) -> bool {
+    pub fn advance(&mut self, stage: &PerformanceInputs<'_>, control: &Control, b: &WalkerBlock, lane: usize) -> bool {
         let Some(activity) = stage.activities.get(ActivityId(self.activity)) else {
             *self = Self::default();
             return false;
@@ -187,8 +181,8 @@ impl PerformanceState {
         let was_on = self.performance_progress().is_some();
         match self.part {
             PerformancePart::Turn => {
-                let left = wrap_angle(self.heading - block.root[2][lane]);
-                let stands = stage.stands_still(block.speed[lane], block.turning[lane], &block.parameters[lane]);
+                let left = wrap_angle(self.heading - b.root[2][lane]);
+                let stands = stage.stands_still(b.speed[lane], b.turning[lane], &b.parameters[lane]);
                 if walks(control) {
                     *self = Self::default();
                 } else if left.abs() < TURNED && stands {
@@ -204,7 +198,7 @@ impl PerformanceState {
             let next = self.next;
             *self = Self::default();
             if let Some(next) = next {
-                self.begin_performance(next, block.root[2][lane]);
+                self.begin_performance(next, b.root[2][lane]);
             }
         }
         was_on && self.performance_progress().is_none()

@@ -150,17 +150,8 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             let orders = controls[from..from + count].iter().map(|control| &control.layers);
             let mut layers = LayerLanes::new(orders, still, root, &state.base);
             let has_feet = self.tick.config.foot_lock.enabled && *level == DetailLevel::Full;
-            let stands = &mut *contacts;
-            let mut walking = WalkingFeet {
-                has_feet,
-                feet,
-                contacts: stands,
-                speed,
-                body,
-                postures: &postures,
-                importance,
-                tick: self.tick,
-            };
+            let (stands, postures, tick) = (&mut *contacts, &postures, self.tick);
+            let mut walking = WalkingFeet { has_feet, feet, contacts: stands, speed, body, postures, importance, tick };
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
             let to = PoseOutput {
                 matrices: &mut matrices[joints.clone()],
@@ -195,25 +186,19 @@ fn write_instances(out: &mut [PoseInstance], block: &WalkerBlock, weights: &[f32
 
 /// Moves the generic time of one lane on, a little faster or slower where that makes strides fit the speed.
 #[inline(always)]
-fn advance_phase<F: Lanes>(
-    block: &mut WalkerBlock,
-    body: &LaneBody,
-    lane: usize,
-    weights: &[f32],
-    tick: &WalkersTick<'_>,
-) {
+fn advance_phase<F: Lanes>(b: &mut WalkerBlock, body: &LaneBody, lane: usize, weights: &[f32], tick: &WalkersTick<'_>) {
     let timing = &tick.space.timing;
     let [cycle_s, left, ahead] = timing.cycle::<F>(weights);
     let pace = body.pace[lane];
     let seconds = cycle_s.max(1e-3);
-    block.travel[0][lane] = left / seconds;
-    block.travel[1][lane] = ahead / seconds;
+    b.travel[0][lane] = left / seconds;
+    b.travel[1][lane] = ahead / seconds;
     let stride_mps = (left * left + ahead * ahead).sqrt() / seconds;
     let [slow, fast] = tick.config.tempo;
-    let fitting = (block.speed[lane] / pace / stride_mps.max(1e-3)).clamp(slow, fast);
+    let fitting = (b.speed[lane] / pace / stride_mps.max(1e-3)).clamp(slow, fast);
     let share = (stride_mps / STEP_TIME_MPS).min(1.0);
     let tempo = 1.0 + (fitting - 1.0) * share * share;
-    block.phase[lane] = timing.advance::<F>(weights, block.phase[lane], tick.dt_s * tempo / pace);
+    b.phase[lane] = timing.advance::<F>(weights, b.phase[lane], tick.dt_s * tempo / pace);
 }
 
 /// Eight postures as one lane each.
@@ -271,13 +256,7 @@ struct WalkingFeet<'a, 't, F> {
 impl<F: Lanes> PlantFeet<F> for WalkingFeet<'_, '_, F> {
     /// Retargets a pose to the bodies and to the ground (Kim, Kim and Shin 2003a, sections 4.2.3 and 4.2.4).
     #[inline(always)]
-    fn plant(
-        &mut self,
-        layers: &LayerLanes<'_>,
-        place: &PlacementLanes<F>,
-        state: &mut BodyState,
-        pose: &mut ModelPose<F>,
-    ) {
+    fn plant(&mut self, layers: &LayerLanes<'_>, at: &PlacementLanes<F>, own: &mut BodyState, pose: &mut ModelPose<F>) {
         let (body, t, tick) = (self.body, self.postures, self.tick);
         if !self.has_feet {
             *self.contacts = contacts(t.contacts.map(|c| [standing(c).to_array(); 2]));
@@ -285,14 +264,14 @@ impl<F: Lanes> PlantFeet<F> for WalkingFeet<'_, '_, F> {
         }
         let pace = F::load(&body.pace);
         let motion = FeetMotion {
-            feet: [self.foot_motion(0, place, pose), self.foot_motion(1, place, pose)],
+            feet: [self.foot_motion(0, at, pose), self.foot_motion(1, at, pose)],
             speed: self.speed,
             knee_rate: F::splat(WALKER_KNEE_RADPS) / pace
                 + F::load(self.speed) * F::splat(WALKER_KNEE_RADPM) / (pace * pace),
             sunk: layers.hips_sink(body, pose).unwrap_or(F::splat(0.0)),
             lift: F::splat(0.0),
         };
-        let bearing = tick.feet.plant_feet(body, &motion, place, state, self.feet, pose);
+        let bearing = tick.feet.plant_feet(body, &motion, at, own, self.feet, pose);
         for (side, &touch) in t.touches.iter().enumerate() {
             if touch.any_gt(F::splat(0.0)) {
                 let to = pose.positions[0] + t.hands[side] * F::load(&body.arm_scale);

@@ -35,15 +35,8 @@ impl<V: Space> Engine<V> {
         let plan = self.plan(id)?;
         let state = &self.states[id.index()];
         let (position, velocity) = plan.motion_at(self.now);
-        Some(Agent {
-            position,
-            velocity,
-            radius: plan.radius,
-            acceleration: plan.limit,
-            speed: state.speed,
-            route: Some(state.route as usize),
-            field: state.field as usize,
-        })
+        let (radius, route, field) = (plan.radius, Some(state.route as usize), state.field as usize);
+        Some(Agent { position, velocity, radius, acceleration: plan.limit, speed: state.speed, route, field })
     }
 
     pub fn smooth_velocity(&self, id: Id) -> Option<V> {

@@ -90,16 +90,8 @@ impl<V: Space> Engine<V> {
         let sizes = [*radius, *speed, *stopping, cells.side, V::DIMENSIONS as f32];
         let capacity = setup.config.capacity.max(setup.agents.len());
         let streets = setup.streets.as_ref().map(Streets::hashed);
-        let all = (
-            fields,
-            obstacles,
-            (interests, &setup.senses),
-            setup.config.state_key(),
-            sizes,
-            cells.num_cells,
-            capacity,
-            streets,
-        );
+        let (interests, key) = ((interests, &setup.senses), setup.config.state_key());
+        let all = (fields, obstacles, interests, key, sizes, cells.num_cells, capacity, streets);
         let config = bincode::config::standard().with_fixed_int_encoding();
         // Writing to memory what can be written cannot fail.
         Hash128::hash_bytes(&bincode::serde::encode_to_vec(all, config).unwrap_or_default())

@@ -21,9 +21,7 @@ impl<V: Space> Engine<V> {
     /// # Errors
     /// [`CrowdError`] for a place that is taken, a full crowd, or a setting out of its range; nothing has changed then.
     pub fn spawn(&mut self, agent: Agent<V>) -> Result<Id> {
-        let Some(&index) = self.free.last() else {
-            return Err(Error::Full { capacity: self.states.len() }.into());
-        };
+        let Some(&index) = self.free.last() else { return Err(Error::Full { capacity: self.states.len() }.into()) };
         let id = self.id(index);
         check_agent(id.index(), &agent, self.scenery.paths.len(), self.scenery.fields.len())?;
         agent.route.map_or(Ok(()), |route| self.check_shared(id, route))?;
@@ -226,10 +224,7 @@ impl<V: Space> Engine<V> {
                 self.set_own_route(id.index, &route)?
             }
         };
-        let cursor = match is_on_it {
-            true => kept.cursor,
-            false => self.begin_route(number, position, plan.radius, order.begin),
-        };
+        let cursor = if is_on_it { kept.cursor } else { self.begin_route(number, position, plan.radius, order.begin) };
         let left = self.scenery.paths[number].distance_left(&cursor, position);
         let state = &mut self.states[id.index()];
         (state.cursor, state.route, state.speed) = (cursor, number as u32, speed);

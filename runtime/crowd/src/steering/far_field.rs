@@ -21,14 +21,8 @@ pub(crate) struct FarFieldBias {
 ///
 /// - `left`: distance to its goal (m).
 #[inline]
-pub(crate) fn oncoming<V: Space>(
-    grid: &DensityGrid<V>,
-    position: V,
-    ahead: V,
-    left: f32,
-    steering: &SteeringConfig,
-) -> [f32; 2] {
-    let (at, near) = (position * grid.per_m, left * grid.per_m);
+pub fn oncoming<V: Space>(grid: &DensityGrid<V>, place: V, ahead: V, left: f32, steering: &SteeringConfig) -> [f32; 2] {
+    let (at, near) = (place * grid.per_m, left * grid.per_m);
     let opposed = |k: &f32| if *k <= near { grid.square(at + ahead * *k).num_opposed(ahead) } else { 0.0 };
     [steering.ahead_places.iter().map(opposed).sum(), steering.far_places.iter().map(opposed).sum()]
 }

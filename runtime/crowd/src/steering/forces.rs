@@ -52,11 +52,7 @@ pub(crate) struct ForceSurroundings<'a, V> {
 /// too, which makes lanes (see [`crate::steering::far_field`]), that agents keep to the right between walls (see
 /// [`crate::steering::keep_right`]), and that few agents step back before many in a jam (see
 /// [`crate::steering::retreat`]).
-pub(crate) fn sum_forces<V: Space>(
-    me: &SteeredAgent<V>,
-    field: &ForceField,
-    around: &ForceSurroundings<'_, V>,
-) -> Forces<V> {
+pub fn sum_forces<V: Space>(me: &SteeredAgent<V>, field: &ForceField, around: &ForceSurroundings<'_, V>) -> Forces<V> {
     let &ForceSurroundings { seen, solids, near, interests, steering, .. } = around;
     let (heading, mut speed) = look_ahead(me, field, around);
     let rate = field.relaxation_s.recip();
@@ -123,11 +119,7 @@ fn look_ahead<V: Space>(me: &SteeredAgent<V>, field: &ForceField, around: &Force
 }
 
 /// Velocity at which somebody should go on: along the direction that leads on fastest, as fast as those in front allow.
-pub(crate) fn desired_velocity<V: Space>(
-    me: &SteeredAgent<V>,
-    field: &ForceField,
-    around: &ForceSurroundings<'_, V>,
-) -> V {
+pub fn desired_velocity<V: Space>(me: &SteeredAgent<V>, field: &ForceField, around: &ForceSurroundings<'_, V>) -> V {
     let (heading, mut speed) = look_ahead(me, field, around);
     let ahead = heading.dot(me.desired).max(0.0);
     for other in around.seen {

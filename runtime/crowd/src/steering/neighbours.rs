@@ -79,13 +79,7 @@ impl NeighbourRows {
 
     /// Adds eight or fewer.
     #[inline(always)]
-    fn push<V: Space, F: Lanes>(
-        &mut self,
-        agents: [u32; LANES],
-        there: u8,
-        until: &Eight,
-        found: &NeighbourLanes<V, F>,
-    ) {
+    fn push<V: Space, F: Lanes>(&mut self, agents: [u32; LANES], there: u8, end: &Eight, found: &NeighbourLanes<V, F>) {
         let soon = found.gap + (found.away - found.toward) * F::splat(SOON_S);
         let nearer = there & soon.bits_lt(F::splat(self.least));
         if nearer != 0 {
@@ -101,7 +95,7 @@ impl NeighbourRows {
         }
         let row = &mut self.rows[self.len];
         self.len += 1;
-        (row.agents, row.present, row.until_end) = (agents, there, *until);
+        (row.agents, row.present, row.until_end) = (agents, there, *end);
         found.gap.store(&mut row.gap);
         found.toward.store(&mut row.toward);
         found.away.store(&mut row.away);

@@ -292,16 +292,9 @@ fn obstacles_of<V: Space>(scene: &Scene) -> (Vec<Obstacle<V>>, Vec<String>) {
 }
 
 fn draw_agent<V: Space>(group: &GroupConfig, position: V, rng: &mut Pcg64Mcg) -> Agent<V> {
-    let mut draw = |[low, high]: [f32; 2]| low + (high - low) * rng.random_range(0.0..1.0f32);
-    Agent {
-        position,
-        velocity: V::default(),
-        radius: draw(group.radius_m),
-        acceleration: draw(group.acceleration_mps2),
-        speed: draw(group.speed_mps),
-        route: None,
-        field: 0,
-    }
+    let draw = |[low, high]: [f32; 2]| low + (high - low) * rng.random_range(0.0..1.0f32);
+    let [radius, acceleration, speed] = [group.radius_m, group.acceleration_mps2, group.speed_mps].map(draw);
+    Agent { position, velocity: V::default(), radius, acceleration, speed, route: None, field: 0 }
 }
 
 /// Goal in an area, moved off its row and column at random, since people who arrive keep no order; other goals stay as they

@@ -380,14 +380,8 @@ impl AgentBrains {
     }
 
     /// Line in which an action lets an agent stand, or place of which it takes a slot.
-    fn line_of(
-        &self,
-        stage: &impl ScenarioStage,
-        agent: u32,
-        claims: ActionClaim,
-        word: &ActionOperand,
-    ) -> Option<u16> {
-        match claims {
+    fn line_of(&self, stage: &impl ScenarioStage, agent: u32, claim: ActionClaim, word: &ActionOperand) -> Option<u16> {
+        match claim {
             ActionClaim::Serve(service) => self.choose_line(stage, agent, service),
             _ => self.place_of(word, self.brains[agent as usize].context),
         }

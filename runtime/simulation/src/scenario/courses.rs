@@ -65,9 +65,7 @@ impl AgentBrains {
     /// Counts a lap of an agent that has come to the end of its course.
     pub(super) fn count_lap(&mut self, agent: u32) {
         let own = &mut self.engagements[agent as usize];
-        let Some(points) = self.scenario.paths.get(usize::from(own.course)).filter(|_| own.runs_course) else {
-            return;
-        };
+        let Some(points) = self.scenario.paths.get(usize::from(own.course)).filter(|_| own.runs_course) else { return };
         own.legs_done = (own.legs_done / points.len() as u32 + 1) * points.len() as u32;
         self.push_stimulus(agent, trigger::LAP, EventContext::default());
     }

@@ -20,13 +20,7 @@ const BESIDE_S: f64 = 1.0;
 
 impl AgentBrains {
     /// True where companions of an agent are in the same state of a level, and have not come to its end.
-    pub(super) fn waits_for_party(
-        &self,
-        stage: &impl ScenarioStage,
-        agent: u32,
-        level: usize,
-        edges: [u32; 2],
-    ) -> bool {
+    pub fn waits_for_party(&self, stage: &impl ScenarioStage, agent: u32, level: usize, edges: [u32; 2]) -> bool {
         let own = self.brains[agent as usize].states[level];
         let ends = |edge: &EdgeTable| edge.trigger == trigger::DONE && !edge.alone;
         let is_late = |other: u32| {

@@ -333,9 +333,7 @@ impl AgentBrains {
                 if agent == NONE {
                     break;
                 }
-                let Some(at) = stage.position(agent).filter(|_| self.is_ready(agent)) else {
-                    continue;
-                };
+                let Some(at) = stage.position(agent).filter(|_| self.is_ready(agent)) else { continue };
                 let rank = table.priority.map_or(0.0, |program| {
                     -self.evaluate_program(stage, Occasion { agent, context: EventContext::default() }, program)
                 });

@@ -92,9 +92,7 @@ pub(super) fn check_scene(scene: &Scene) -> Result<(), KeyFault> {
     if scene.groups.is_empty() {
         return key_fault("groups", "expected at least one group, found none");
     }
-    for (g, group) in scene.groups.iter().enumerate() {
-        check_group(scene, g, group)?;
-    }
+    scene.groups.iter().enumerate().try_for_each(|(g, group)| check_group(scene, g, group))?;
     check_count("groups", scene.num_characters())?;
     check_totals(scene)?;
     check_each("environment.obstacles", &scene.environment.obstacles, |o, key| o.find_fault(key, dimensions))?;
@@ -102,9 +100,7 @@ pub(super) fn check_scene(scene: &Scene) -> Result<(), KeyFault> {
     check_each("places", &scene.places, |site, key| site.find_fault(key, dimensions))?;
     check_each("services", &scene.services, |service, key| service.find_fault(key))?;
     check_each("things", &scene.things, |thing, key| thing.find_fault(key, dimensions))?;
-    for (name, value) in &scene.values {
-        value.find_fault(&format!("values.{name}"))?;
-    }
+    scene.values.iter().try_for_each(|(name, value)| value.find_fault(&format!("values.{name}")))?;
     check_each("relations", &scene.relations, |relation, key| relation.find_fault(key))?;
     check_each("rules", &scene.rules, |r, key| check_numbers(&[(&format!("{key}.pause_s"), r.pause_s, 0.0, 1e6)]))?;
     check_each("events", &scene.events, |event, key| event.find_fault(key))?;
@@ -254,9 +250,11 @@ fn check_route(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: us
         }
         None => return key_fault(&at("goal"), "agents need a goal; `{ stay = {} }` lets them stand"),
     }
-    for (i, point) in group.via.iter().enumerate() {
-        check_point(&at(&format!("via[{i}]")), point, dimensions)?;
-    }
+    group
+        .via
+        .iter()
+        .enumerate()
+        .try_for_each(|(i, point)| check_point(&at(&format!("via[{i}]")), point, dimensions))?;
     check_numbers(&[(&at("arrival_m"), group.arrival_m, 0.01, 1000.0)])
 }
 
@@ -377,10 +375,7 @@ fn check_count(key: &str, count: usize) -> Result<(), KeyFault> {
 
 /// Checks that a number is within its limit.
 fn check_limit(key: &str, value: f64, limit: &Limit) -> Result<(), KeyFault> {
-    match limit.contains(value) {
-        true => Ok(()),
-        false => key_fault(key, format!("expected {}, found {value}", limit.range)),
-    }
+    if limit.contains(value) { Ok(()) } else { key_fault(key, format!("expected {}, found {value}", limit.range)) }
 }
 
 /// Checks that numbers are between bounds, given as (key, value, lowest, highest); NaN never is.

@@ -241,27 +241,21 @@ impl Scene {
     /// The bundle of a group, and the config that it is built from (group < number of groups).
     pub fn bundle_of(&self, group: usize) -> (Option<&Path>, Option<&Path>) {
         let g = &self.groups[group];
-        match &g.bundle {
-            Some(bundle) => (Some(bundle), g.config.as_deref()),
-            None => (self.bundle.as_deref(), self.config.as_deref()),
-        }
+        let own = (g.bundle.as_deref(), g.config.as_deref());
+        if own.0.is_some() { own } else { (self.bundle.as_deref(), self.config.as_deref()) }
     }
 
     /// The stitched world of a group, and the world file that it is stitched from (group < number of groups).
     pub fn world_of(&self, group: usize) -> (Option<&Path>, Option<&Path>) {
         let (g, e) = (&self.groups[group], &self.environment);
-        match &g.world {
-            Some(world) => (Some(world), g.world_config.as_deref()),
-            None => (e.world.as_deref(), e.world_config.as_deref()),
-        }
+        let own = (g.world.as_deref(), g.world_config.as_deref());
+        if own.0.is_some() { own } else { (e.world.as_deref(), e.world_config.as_deref()) }
     }
 
     /// Takes another bundle, in place of the scene's and of those of all groups; nothing builds it where it is missing.
     pub fn set_bundle(&mut self, bundle: &Path) {
         (self.bundle, self.config) = (Some(bundle.to_path_buf()), None);
-        for group in &mut self.groups {
-            (group.bundle, group.config) = (None, None);
-        }
+        self.groups.iter_mut().for_each(|group| (group.bundle, group.config) = (None, None));
     }
 
     /// Copy of the scene with another number of characters: every group keeps its share, and where the scene grows, lengths

@@ -4,7 +4,7 @@ use super::body::{SparringBody, StruckPart, WorldPose};
 use super::config::{NO_THREAT_S, SparringConfig};
 use super::landing::{BlowLanding, find_struck_capsule};
 use super::pair::OpponentPair;
-use super::snapshot;
+use super::snapshot::{self, boxers_group_methods, boxers_methods};
 use super::stagger::StepsAway;
 use super::tally::{BlowOutcome, BlowTally};
 use glam::Vec3;
@@ -103,21 +103,6 @@ impl Sparring {
         Ok(Self { body, config, boxers, state, events, travels, lead_s, steps_away })
     }
 
-    /// Boxers, row by row as in [`CharacterGroup::bodies`].
-    pub fn boxers(&self) -> &PolicyCharacters {
-        &self.boxers
-    }
-
-    /// Mutable boxers, to set obstacles and reserved regions on the ground.
-    pub(crate) fn boxers_mut(&mut self) -> &mut PolicyCharacters {
-        &mut self.boxers
-    }
-
-    /// The characters, row by row: blows, segments and choices.
-    pub fn characters(&self) -> &Characters {
-        self.boxers.characters()
-    }
-
     /// Settings.
     pub fn config(&self) -> &SparringConfig {
         &self.config
@@ -149,14 +134,6 @@ impl Sparring {
         Ok(*self.boxers.order_of(id)?)
     }
 
-    /// Makes a character play a segment at once, see [`PolicyCharacters::play_segment`].
-    ///
-    /// # Errors
-    /// As [`PolicyCharacters::play_segment`].
-    pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
-        self.boxers.play_segment(id, segment)
-    }
-
     /// Position of the opponent's head, for each character (m, row by row).
     pub fn heads(&self) -> &[Vec3] {
         &self.state.heads
@@ -172,14 +149,6 @@ impl Sparring {
     /// seconds until then, or [`NO_THREAT_S`] where no blow is coming (m, s, m, row by row).
     pub fn threats(&self) -> &[Vec3] {
         &self.state.threats
-    }
-
-    /// Counts of a character's blows by outcome.
-    ///
-    /// # Errors
-    /// [`Error::Gone`].
-    pub fn tally(&self, id: Id) -> Result<BlowTally> {
-        Ok(self.state.tallies[self.boxers.row(id)?])
     }
 
     /// Deepest overlap of a pair's bodies at the last step; 0 where they are apart (m, pair < num_pairs).
@@ -271,7 +240,11 @@ impl Sparring {
     }
 }
 
+boxers_methods!(Sparring);
+
 impl CharacterGroup for Sparring {
+    boxers_group_methods!();
+
     /// A pair enters together.
     type Start = [Spawn; 2];
     /// Behaviours and their weights; their targets are set at every step.
@@ -358,30 +331,6 @@ impl CharacterGroup for Sparring {
             }
         });
         self.resolve_blows(dt_s)
-    }
-
-    /// Status as of [`PolicyCharacters`], with the opponent as target.
-    fn status(&self, id: Id) -> Result<OrderStatus> {
-        self.boxers.status(id)
-    }
-
-    /// Events of the last step, in the order of rows.
-    fn events(&self) -> &[(Id, BlowLanding)] {
-        &self.events
-    }
-
-    fn bodies(&self) -> PosedBodies<'_> {
-        self.boxers.bodies()
-    }
-
-    fn save(&self, out: &mut Vec<u8>) {
-        snapshot::save(self.snapshot_kind(), &self.boxers, &self.state, out);
-    }
-
-    fn load(&mut self, bytes: &[u8]) -> Result<()> {
-        self.state = snapshot::load(self.snapshot_kind(), &mut self.boxers, bytes)?;
-        self.events.clear();
-        Ok(())
     }
 
     fn adopt(&mut self, new: &Bundle) -> Result<AdoptReport> {

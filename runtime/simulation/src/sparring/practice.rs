@@ -1,7 +1,7 @@
 //! Boxers that each strike at a target of their own.
 
 use super::config::check_within;
-use super::snapshot;
+use super::snapshot::{self, boxers_group_methods, boxers_methods};
 use super::tally::{BlowOutcome, BlowTally};
 use super::target::{StruckTarget, TargetConfig};
 use glam::Vec3;
@@ -101,21 +101,6 @@ impl TargetPractice {
         Ok(Self { config, boxers, state, events })
     }
 
-    /// Boxers, row by row as in [`CharacterGroup::bodies`].
-    pub fn boxers(&self) -> &PolicyCharacters {
-        &self.boxers
-    }
-
-    /// Mutable boxers, to set obstacles and reserved regions on the ground.
-    pub(crate) fn boxers_mut(&mut self) -> &mut PolicyCharacters {
-        &mut self.boxers
-    }
-
-    /// The characters, row by row: blows, segments and choices.
-    pub fn characters(&self) -> &Characters {
-        self.boxers.characters()
-    }
-
     /// Settings.
     pub fn config(&self) -> &PracticeConfig {
         &self.config
@@ -132,22 +117,6 @@ impl TargetPractice {
     /// [`throng_base::Error::Gone`].
     pub fn order_of(&self, id: Id) -> Result<PolicyOrder> {
         Ok(self.boxers.order_of(id)?.with_target(self.state.targets[self.boxers.row(id)?].home))
-    }
-
-    /// Makes a character play a segment at once, see [`PolicyCharacters::play_segment`].
-    ///
-    /// # Errors
-    /// As [`PolicyCharacters::play_segment`].
-    pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
-        self.boxers.play_segment(id, segment)
-    }
-
-    /// Counts of a character's blows by outcome.
-    ///
-    /// # Errors
-    /// [`throng_base::Error::Gone`].
-    pub fn tally(&self, id: Id) -> Result<BlowTally> {
-        Ok(self.state.tallies[self.boxers.row(id)?])
     }
 
     /// Figures so far, of all boxers that are there.
@@ -175,9 +144,7 @@ impl TargetPractice {
             }
             s.tallies[c].count_blow(if is_hit { BlowOutcome::Landed } else { BlowOutcome::Missed });
         }
-        for (position, target) in s.positions.iter_mut().zip(&s.targets) {
-            *position = target.position();
-        }
+        s.positions.iter_mut().zip(&s.targets).for_each(|(position, target)| *position = target.position());
         Ok(())
     }
 
@@ -187,7 +154,11 @@ impl TargetPractice {
     }
 }
 
+boxers_methods!(TargetPractice);
+
 impl CharacterGroup for TargetPractice {
+    boxers_group_methods!();
+
     type Start = Spawn;
     /// Behaviours and their weights, around the place where the target hangs; the target follows at once.
     type Order = PolicyOrder;
@@ -231,30 +202,6 @@ impl CharacterGroup for TargetPractice {
         self.boxers.aim_all(&self.state.positions, &self.state.positions)?;
         self.boxers.step(dt_s, run)?;
         self.strike_targets(dt_s)
-    }
-
-    /// Status as of [`PolicyCharacters`].
-    fn status(&self, id: Id) -> Result<OrderStatus> {
-        self.boxers.status(id)
-    }
-
-    /// Events of the last step, in the order of rows.
-    fn events(&self) -> &[(Id, TargetHit)] {
-        &self.events
-    }
-
-    fn bodies(&self) -> PosedBodies<'_> {
-        self.boxers.bodies()
-    }
-
-    fn save(&self, out: &mut Vec<u8>) {
-        snapshot::save(self.snapshot_kind(), &self.boxers, &self.state, out);
-    }
-
-    fn load(&mut self, bytes: &[u8]) -> Result<()> {
-        self.state = snapshot::load(self.snapshot_kind(), &mut self.boxers, bytes)?;
-        self.events.clear();
-        Ok(())
     }
 
     fn adopt(&mut self, new: &Bundle) -> Result<AdoptReport> {

@@ -63,3 +63,72 @@ pub(super) fn load<S: SavedState>(kind: SnapshotKind, characters: &mut PolicyCha
 fn is_valid_aim(at: &Vec3) -> bool {
     at.is_finite() && at.abs().max_element() < 1e6
 }
+
+/// Methods that both groups of boxers have.
+macro_rules! boxers_methods {
+    ($group:ident) => {
+        impl $group {
+            /// Boxers, row by row as in [`CharacterGroup::bodies`].
+            pub fn boxers(&self) -> &PolicyCharacters {
+                &self.boxers
+            }
+
+            /// Mutable boxers, to set obstacles and reserved regions on the ground.
+            pub(crate) fn boxers_mut(&mut self) -> &mut PolicyCharacters {
+                &mut self.boxers
+            }
+
+            /// The characters, row by row: blows, segments and choices.
+            pub fn characters(&self) -> &Characters {
+                self.boxers.characters()
+            }
+
+            /// Makes a character play a segment at once, see [`PolicyCharacters::play_segment`].
+            ///
+            /// # Errors
+            /// As [`PolicyCharacters::play_segment`].
+            pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
+                self.boxers.play_segment(id, segment)
+            }
+
+            /// Counts of a character's blows by outcome.
+            ///
+            /// # Errors
+            /// [`throng_base::Error::Gone`].
+            pub fn tally(&self, id: Id) -> Result<BlowTally> {
+                Ok(self.state.tallies[self.boxers.row(id)?])
+            }
+        }
+    };
+}
+pub(super) use boxers_methods;
+
+/// Methods of [`throng_core::CharacterGroup`] that are alike for both groups of boxers.
+macro_rules! boxers_group_methods {
+    () => {
+        /// Status as of [`PolicyCharacters`], in a bout with the opponent as target.
+        fn status(&self, id: Id) -> Result<OrderStatus> {
+            self.boxers.status(id)
+        }
+
+        /// Events of the last step, in the order of rows.
+        fn events(&self) -> &[(Id, Self::Event)] {
+            &self.events
+        }
+
+        fn bodies(&self) -> PosedBodies<'_> {
+            self.boxers.bodies()
+        }
+
+        fn save(&self, out: &mut Vec<u8>) {
+            snapshot::save(self.snapshot_kind(), &self.boxers, &self.state, out);
+        }
+
+        fn load(&mut self, bytes: &[u8]) -> Result<()> {
+            self.state = snapshot::load(self.snapshot_kind(), &mut self.boxers, bytes)?;
+            self.events.clear();
+            Ok(())
+        }
+    };
+}
+pub(super) use boxers_group_methods;

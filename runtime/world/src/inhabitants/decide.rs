@@ -291,16 +291,8 @@ impl Inhabitants {
             .for_each_step(from, |s| shown = shown.or(Some(s).filter(|s| graph.link(s).is_some_and(|l| l.tag == tag))));
         self.chains.set(c, &path[..len]);
         let (character, seed, draw) = (c as u32, self.config.characters.seed, self.states[c].draws);
-        let mut space = SafetySearch {
-            graph,
-            reservations: &self.reservations,
-            character,
-            seed,
-            draw,
-            bound: None,
-            is_inside: false,
-            off_climbs: true,
-        };
+        let (reservations, bound, is_inside, off_climbs) = (&self.reservations, None, false, true);
+        let mut space = SafetySearch { graph, reservations, character, seed, draw, bound, is_inside, off_climbs };
         let nodes = &mut self.planner.nodes;
         let is_safe = shown.is_some_and(|step| {
             let room = self.chains.extend_chain_by(c, step);

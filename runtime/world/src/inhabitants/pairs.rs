@@ -188,15 +188,9 @@ impl Inhabitants {
             let target = PlanTarget::Node(self.pair_offers[offer as usize].starts[side]);
             self.set_target(self.world.clone().graph(), c, Some(target));
             self.states[c] = self.states[c].with_goal(InhabitantGoal::Meet { tag, seconds });
-            self.states[c].meeting = Some(PairMeeting {
-                with: two[1 - k],
-                offer,
-                side: side as u8,
-                stage: MeetingStage::Coming,
-                until_s,
-                ready_s: 0.0,
-                rounds: 0,
-            });
+            let (with, side, stage) = (two[1 - k], side as u8, MeetingStage::Coming);
+            let meeting = PairMeeting { with, offer, side, stage, until_s, ready_s: 0.0, rounds: 0 };
+            self.states[c].meeting = Some(meeting);
             self.paths.request_path(c);
         }
         Ok(())

@@ -44,9 +44,7 @@ impl Clusters {
             pairs.extend(overlaps.filter(|(_, a, _)| member(a.other)).map(|(_, a, t)| (t.num_joints, i, a.other)));
         }
         pairs.sort_by_key(|&(joints, a, b)| (Reverse(joints), a, b));
-        for (_, a, b) in pairs {
-            sets.join(a, b, MAX_CELLS);
-        }
+        pairs.into_iter().for_each(|(_, a, b)| sets.join(a, b, MAX_CELLS));
         let mut out = Self { of: vec![NONE; n], first_cell: vec![0; n], members: Vec::new() };
         let mut number = vec![NONE; n];
         for i in (0..n as u32).filter(|&i| member(i)) {

@@ -77,16 +77,11 @@ impl Default for Dial {
 impl Dial {
     /// Least costs from any of the sources, which have costs of their own, to all states. `visit` calls
     /// [`Dial::reach_state`] for every state that the given one leads to.
-    pub fn run(
-        &mut self,
-        num_states: usize,
-        sources: impl Iterator<Item = (u32, u16)>,
-        mut visit: impl FnMut(&mut Self, u32),
-    ) {
+    pub fn run(&mut self, n: usize, sources: impl Iterator<Item = (u32, u16)>, mut visit: impl FnMut(&mut Self, u32)) {
         self.costs.clear();
-        self.costs.resize(num_states, u32::MAX);
+        self.costs.resize(n, u32::MAX);
         self.queue.clear();
-        self.queue.grow(num_states);
+        self.queue.grow(n);
         self.cost = 0;
         for (state, cost) in sources {
             self.reach_state(state, cost);

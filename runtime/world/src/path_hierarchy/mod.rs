@@ -133,9 +133,7 @@ impl PathHierarchy {
             ..Self::default()
         };
         out.add_clusters(graph);
-        for exits in &mut out.region_exits {
-            exits.sort_by_key(|&o| out.exits[o as usize].tile);
-        }
+        out.region_exits.iter_mut().for_each(|exits| exits.sort_by_key(|&o| out.exits[o as usize].tile));
         for tile in 0..graph.num_instances() as u32 {
             out.add_portals(graph, tile);
         }

@@ -22,13 +22,8 @@ impl ClusterSearch {
     pub fn new(graph: &WorldGraph, hierarchy: &PathHierarchy) -> Self {
         let num_states =
             (0..hierarchy.num_clusters() as u32).map(|d| hierarchy.costs_in(d).num_states()).max().unwrap_or(0);
-        Self {
-            cluster: 0,
-            costs: vec![0; num_states],
-            stamps: vec![0; num_states],
-            stamp: 0,
-            queue: Buckets::new(num_states, graph.max_link_frames()),
-        }
+        let queue = Buckets::new(num_states, graph.max_link_frames());
+        Self { cluster: 0, costs: vec![0; num_states], stamps: vec![0; num_states], stamp: 0, queue }
     }
 
     /// Begins a search from cells of a cluster, by their numbers there.

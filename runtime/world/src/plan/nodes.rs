@@ -79,14 +79,8 @@ impl Nodes {
     /// Memory for a world (52 bytes a node).
     pub fn new(graph: &WorldGraph) -> Self {
         let room = graph.num_nodes();
-        Self {
-            states: vec![[0; 4]; room],
-            parents: vec![0; room],
-            steps: vec![[0; 5]; room],
-            heap: Heap::new(room),
-            stamp: 0,
-            opened: 0,
-        }
+        let (states, parents, steps) = (vec![[0; 4]; room], vec![0; room], vec![[0; 5]; room]);
+        Self { states, parents, steps, heap: Heap::new(room), stamp: 0, opened: 0 }
     }
 
     /// Finds the cheapest path from a node to a target, opening at most `most` nodes.

@@ -20,14 +20,9 @@ pub(crate) struct Buckets {
 impl Buckets {
     /// Memory for the numbers below `limit`, and for keys that are at most `step` more than the least one.
     pub fn new(limit: usize, step: u32) -> Self {
-        Self {
-            heads: vec![NONE; (step as usize + 1).next_power_of_two()],
-            links: vec![[NONE; 2]; limit],
-            keys: vec![0; limit],
-            is_there: vec![false; limit],
-            len: 0,
-            least: 0,
-        }
+        let heads = vec![NONE; (step as usize + 1).next_power_of_two()];
+        let (links, keys, is_there) = (vec![[NONE; 2]; limit], vec![0; limit], vec![false; limit]);
+        Self { heads, links, keys, is_there, len: 0, least: 0 }
     }
 
     /// Grows to the numbers below `limit`; empty before.

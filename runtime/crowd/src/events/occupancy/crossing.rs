@@ -45,13 +45,7 @@ pub(crate) fn range<V: Space>(side: f32, plan: &MotionPlan<V>) -> ([i32; 3], [i3
 }
 
 /// The next face of the cells it occupies that the growing bound of a plan crosses, `from` seconds after its start or later.
-pub(crate) fn next_crossing<V: Space>(
-    side: f32,
-    plan: &MotionPlan<V>,
-    low: [i32; 3],
-    high: [i32; 3],
-    from: f32,
-) -> Crossing {
+pub fn next_crossing<V: Space>(side: f32, plan: &MotionPlan<V>, low: [i32; 3], high: [i32; 3], from: f32) -> Crossing {
     let (x, v) = (plan.position.coordinates(), plan.velocity.coordinates());
     let mut first = Crossing::NEVER;
     for axis in 0..V::DIMENSIONS {

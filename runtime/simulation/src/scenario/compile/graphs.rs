@@ -108,9 +108,7 @@ impl ScenarioCompiler<'_> {
     /// Checks that every state of a graph can be reached from its start.
     pub(super) fn check_reached(&self, name: &str, graph: &StateGraphConfig) -> CompileResult<()> {
         let mut led: BTreeMap<Option<&str>, Vec<&str>> = BTreeMap::new();
-        for edge in &graph.edges {
-            led.entry(edge.from.as_deref()).or_default().push(&edge.to);
-        }
+        graph.edges.iter().for_each(|edge| led.entry(edge.from.as_deref()).or_default().push(&edge.to));
         let (mut reached, mut left) = (BTreeSet::from([graph.start.as_str()]), vec![graph.start.as_str()]);
         left.extend(led.remove(&None).into_iter().flatten().filter(|to| reached.insert(to)));
         while let Some(from) = left.pop() {

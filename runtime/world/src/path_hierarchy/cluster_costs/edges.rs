@@ -45,13 +45,8 @@ pub(super) struct ClusterEdges<'p, 'a> {
 impl<'p, 'a> ClusterEdges<'p, 'a> {
     /// Follows all that can be done from the cells of a cluster, and all that leads there.
     pub fn new(outline: &'p ClusterOutline<'a>) -> Self {
-        let mut out = Self {
-            outline,
-            arcs: Vec::new(),
-            exit_steps: Vec::new(),
-            entrances: BTreeMap::new(),
-            exits: BTreeMap::new(),
-        };
+        let (arcs, exit_steps) = (Vec::new(), Vec::new());
+        let mut out = Self { outline, arcs, exit_steps, entrances: BTreeMap::new(), exits: BTreeMap::new() };
         out.add_members();
         out
     }
