@@ -23,15 +23,10 @@ pub(crate) trait SuccessorGraph {
 /// Components are numbered downwards from `num_nodes` in the order of completion: every edge leads to a component of
 /// the same number or a higher one. Memory: one number a node beside the depth of the search.
 pub(crate) fn components<G: SuccessorGraph>(graph: &G) -> Vec<u32> {
-    let mut search = ComponentSearch::<G> {
-        graph,
-        number: vec![0; graph.num_nodes()],
-        pending: Vec::new(),
-        path: Vec::new(),
-        index: 1,
-        component: graph.num_nodes() as u32,
-    };
-    for node in 0..graph.num_nodes() as u32 {
+    let (num, pending, path) = (graph.num_nodes(), Vec::new(), Vec::new());
+    let number = vec![0; num];
+    let mut search = ComponentSearch::<G> { graph, number, pending, path, index: 1, component: num as u32 };
+    for node in 0..num as u32 {
         if search.number[node as usize] == 0 {
             search.search_from(node);
         }

@@ -62,10 +62,7 @@ impl FileKeys<'_> {
         let given = self.given.iter().map(|s| PathBuf::from(&s.path));
         let is_same = |path: &Path, was: &SourceMeta| hash(path).is_ok_and(|now| now == *was);
         let changed = |path: &PathBuf| self.files.get(&**path).is_some_and(|was| !is_same(path, was));
-        match self.read_with(file).chain(given).find(changed) {
-            Some(path) => Err(ImportError::Changed { path }),
-            None => clips,
-        }
+        self.read_with(file).chain(given).find(changed).map_or(clips, |path| Err(ImportError::Changed { path }))
     }
 }
 

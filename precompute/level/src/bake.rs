@@ -359,13 +359,8 @@ fn add_links(data: &mut LevelData, level: &Level, source: &LevelSource, warn: &m
         let cost_m = LINK_COST_M + LINK_COST_UP * up + from.at.xz().distance(to.at.xz());
         let num_directions = if link.is_two_way() { 2 } else { 1 };
         for [from, to] in [[from, to], [to, from]].into_iter().take(num_directions) {
-            data.links.push(LevelLink {
-                ends: [from, to].map(|end| end.at.to_array()),
-                polygons: [from, to].map(|end| end.polygon),
-                kind,
-                cost_m,
-                name,
-            });
+            let (ends, polygons) = ([from, to].map(|end| end.at.to_array()), [from, to].map(|end| end.polygon));
+            data.links.push(LevelLink { ends, polygons, kind, cost_m, name });
         }
     }
     let num = data.links.len();

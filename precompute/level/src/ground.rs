@@ -37,11 +37,7 @@ pub(crate) struct GroundPolygons {
 /// Finds the ground of a source.
 ///
 /// - `radius_m`: distance that is kept from walls (m, >= 0).
-pub(crate) fn find_ground(
-    source: &LevelSource,
-    settings: &LevelSettings,
-    radius_m: f32,
-) -> Result<GroundPolygons, String> {
+pub fn find_ground(source: &LevelSource, settings: &LevelSettings, radius_m: f32) -> Result<GroundPolygons, String> {
     let corners = || source.triangles.iter().flatten();
     let low = corners().fold(Vec3::INFINITY, |low, &c| low.min(c));
     let high = corners().fold(Vec3::NEG_INFINITY, |high, &c| high.max(c));

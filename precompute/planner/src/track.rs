@@ -94,10 +94,7 @@ impl<T: Copy> MotionTrack<T> {
 
     fn interpolate(&self, t: f64, lerp: impl Fn(&T, &T, f64) -> T) -> T {
         let (i, share) = self.clock.find_interval(self.samples.len(), t);
-        match self.samples.get(i + 1) {
-            Some(to) => lerp(&self.samples[i], to, share),
-            None => self.samples[i],
-        }
+        self.samples.get(i + 1).map_or(self.samples[i], |to| lerp(&self.samples[i], to, share))
     }
 
     fn peak_speeds(&self, from_s: f64, to_s: f64) -> [f64; 2] {

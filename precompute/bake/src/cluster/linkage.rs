@@ -32,11 +32,7 @@ pub(super) trait Distance {
 /// hierarchy below the height of the limit. The search follows nearest neighbours until two are each other's, which
 /// gives the merges of "nearest pair first" in another order, ties aside. Estimates decide which neighbour is nearest,
 /// and are made only if the outcome depends on them; exact distances of frames decide whether two items may merge.
-pub(super) fn merge_items<D: Distance>(
-    items: Vec<D::Item>,
-    neighbours: Vec<Vec<Neighbour>>,
-    distance: &D,
-) -> Vec<D::Item> {
+pub fn merge_items<D: Distance>(items: Vec<D::Item>, neighbours: Vec<Vec<Neighbour>>, distance: &D) -> Vec<D::Item> {
     let items = items.into_iter().map(Some).collect();
     let mut links = NeighbourLinks { items, neighbours, distance };
     let mut chain: Vec<u32> = Vec::new();
@@ -124,9 +120,7 @@ impl<D: Distance> NeighbourLinks<'_, D> {
         let [a, b] = [a, b].map(|i| std::mem::take(&mut self.neighbours[i as usize]));
         let mut common = common_neighbours(&a, &b);
         common.retain(|n| self.items[n.item as usize].is_some());
-        for n in &common {
-            self.neighbours[n.item as usize].push(Neighbour { item: merged, ..*n });
-        }
+        common.iter().for_each(|n| self.neighbours[n.item as usize].push(Neighbour { item: merged, ..*n }));
         self.items.push(Some(all));
         self.neighbours.push(common);
         true

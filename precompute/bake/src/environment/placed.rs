@@ -39,12 +39,8 @@ impl PlacedGeometry {
         let of =
             |u: &PlacedUnit| geometries[u.unit].bounds.mapped(|p| u.placement.transform_point(p)).expanded(ROUNDING);
         let bounds: Vec<BoundingBox> = environment.units.iter().map(of).collect();
-        Self {
-            name: environment.name.clone(),
-            units: environment.units.clone(),
-            geometries: geometries.to_vec(),
-            tree: BoundsTree::new(&bounds),
-        }
+        let (name, units) = (environment.name.clone(), environment.units.clone());
+        Self { name, units, geometries: geometries.to_vec(), tree: BoundsTree::new(&bounds) }
     }
 
     /// Geometry of a placed unit in its own frame (unit < units.len()).

@@ -184,16 +184,12 @@ impl UsualCarriage {
     /// Keeps candidates that carry themselves as most do, walks among walks and runs among runs, the most usual first.
     ///
     /// - returns the usual walk, or the usual run if nobody walks; `None` if there is neither.
-    pub fn keep_usual(
-        all: &mut Vec<ExampleCandidate<'_>>,
-        skeleton: &Skeleton,
-        refused: &mut Refusals,
-    ) -> Option<Self> {
+    pub fn keep_usual(all: &mut Vec<ExampleCandidate<'_>>, body: &Skeleton, refused: &mut Refusals) -> Option<Self> {
         /// Most by which runs may be carried otherwise than walks, over what may differ among walks.
         const OTHERWISE: f32 = 2.2;
         let (mut running, mut walking): (Vec<_>, Vec<_>) = all.drain(..).partition(runs);
-        let walk = Self::keep_usual_gait(&mut walking, skeleton, refused);
-        let run = Self::keep_usual_gait(&mut running, skeleton, refused);
+        let walk = Self::keep_usual_gait(&mut walking, body, refused);
+        let run = Self::keep_usual_gait(&mut running, body, refused);
         if let (Some(walk), Some(run)) = (&walk, &run) {
             let (over, part) = run.0.farthest(&walk.0);
             if over > OTHERWISE {
@@ -205,12 +201,8 @@ impl UsualCarriage {
         walk.or(run)
     }
 
-    fn keep_usual_gait(
-        all: &mut Vec<ExampleCandidate<'_>>,
-        skeleton: &Skeleton,
-        refused: &mut Refusals,
-    ) -> Option<Self> {
-        let carriages: Vec<Carriage> = all.iter().map(|c| Carriage::over_cycle(&c.cycle, skeleton)).collect();
+    fn keep_usual_gait(all: &mut Vec<ExampleCandidate<'_>>, body: &Skeleton, refused: &mut Refusals) -> Option<Self> {
+        let carriages: Vec<Carriage> = all.iter().map(|c| Carriage::over_cycle(&c.cycle, body)).collect();
         let far = |c: &Carriage| carriages.iter().map(|o| c.farthest(o).0.min(2.0)).sum::<f32>();
         let mut usual = carriages.iter().map(|c| (far(c), c)).min_by(|a, b| a.0.total_cmp(&b.0))?.1.clone();
         usual.hips_m = quantile(carriages.iter().map(|c| c.hips_m), [1, 2])?;

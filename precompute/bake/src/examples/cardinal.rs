@@ -58,16 +58,11 @@ impl CardinalBasis {
     /// - `points`: parameters of each example, axis by axis (examples x axes).
     /// - `spacings`: distance that counts as 1 on each axis; [`spacing`] gives it if absent (> 0).
     /// - `reach`: radius of a spline, in distances to the nearest other example.
-    /// - `min_distance`: nearer examples are coincident, with each axis scaled to [0, 1] over the examples.
+    /// - `min_gap`: nearer examples are coincident, with each axis scaled to [0, 1] over the examples.
     ///
     /// # Errors
     /// [`CardinalFault`] gives the reason.
-    pub fn new(
-        points: &[Vec<f64>],
-        spacings: &[Option<f64>],
-        reach: f64,
-        min_distance: f64,
-    ) -> Result<Self, CardinalFault> {
+    pub fn new(points: &[Vec<f64>], spacings: &[Option<f64>], reach: f64, min_gap: f64) -> Result<Self, CardinalFault> {
         let (n, d) = (points.len(), points.first().map_or(0, Vec::len));
         if n < d + 1 {
             return Err(CardinalFault::TooFew);
@@ -76,7 +71,7 @@ impl CardinalBasis {
         if let Some(k) = extent.iter().position(|e| e.is_nan() || *e <= LEAST_EXTENT) {
             return Err(CardinalFault::NoExtent(k));
         }
-        if let Some((a, b, distance)) = nearest_pair(points, &extent).filter(|pair| pair.2 < min_distance) {
+        if let Some((a, b, distance)) = nearest_pair(points, &extent).filter(|pair| pair.2 < min_gap) {
             return Err(CardinalFault::Coincident(a, b, distance));
         }
         let usual = spacing(points);

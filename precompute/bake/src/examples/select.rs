@@ -270,9 +270,7 @@ fn keep_farthest(all: &mut Vec<ExampleCandidate<'_>>, most: usize) {
     while kept.len() < most.min(points.len()) {
         let Some(next) = (0..points.len()).rev().max_by(|&a, &b| nearest[a].total_cmp(&nearest[b])) else { break };
         kept.push(next);
-        for (i, d) in nearest.iter_mut().enumerate() {
-            *d = d.min(distance(&points[i], &points[next], &scale));
-        }
+        nearest.iter_mut().enumerate().for_each(|(i, d)| *d = d.min(distance(&points[i], &points[next], &scale)));
     }
     let mut number = 0..;
     all.retain(|_| number.next().is_some_and(|i| kept.contains(&i)));

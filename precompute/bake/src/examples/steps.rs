@@ -98,13 +98,8 @@ pub fn find_half_cycles(track: &ClipTrack<'_>, range: &FrameRange) -> Vec<StepCy
         let stance = length(left).or(length(right)).or(usual)?;
         let whole = left.left && !right.left && CYCLE_S.contains(&(2.0 * half / track.rate())) && stance < 2.0 * half;
         let (start, right_strike) = (left.time, right.time);
-        let steps = StepCycle {
-            start,
-            left_off: start + stance,
-            right_strike,
-            right_off: right_strike + stance,
-            end: right_strike + half,
-        };
+        let [left_off, right_off] = [start, right_strike].map(|strike| strike + stance);
+        let steps = StepCycle { start, left_off, right_strike, right_off, end: right_strike + half };
         whole.then_some(steps)
     };
     strikes.windows(2).filter_map(step).collect()

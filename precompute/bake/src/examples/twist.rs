@@ -43,13 +43,8 @@ impl FacingTwist {
             // The body swings with every step, so its mean facing counts, not that at the strike.
             let heading = track.mean_over(start, end, |t| track.facing_at(t) - turn * (t - start) / (end - start));
             let seconds = (end - start) / track.rate();
-            return Self::from_motion(
-                track.position_at(start),
-                heading,
-                track.position_at(end),
-                heading + turn,
-                seconds,
-            );
+            let [from, to] = [start, end].map(|t| track.position_at(t));
+            return Self::from_motion(from, heading, to, heading + turn, seconds);
         }
         let n = (end - start - period).floor().max(2.0) as usize;
         let middle = |i: usize| start + 0.5 * period + (end - start - period) * i as f64 / n as f64;

@@ -80,9 +80,7 @@ fn principal_directions(mut sample: Vec<ProjectionDirection>) -> [ProjectionDire
     for _ in 0..ROUNDS {
         directions.par_iter_mut().for_each(|d| {
             let mut turned = [0.0; EMBEDDING];
-            for x in &sample {
-                add(&mut turned, x, dot(d, x));
-            }
+            sample.iter().for_each(|x| add(&mut turned, x, dot(d, x)));
             *d = turned;
         });
         make_orthonormal(&mut directions);

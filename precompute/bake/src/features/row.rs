@@ -39,14 +39,9 @@ pub(super) struct FeatureRow {
 
 impl FeatureRow {
     pub fn new(m: &FrameMeasurements, weights: &PreparedWeights) -> Self {
-        let mut row = Self {
-            x: [0.0; LANES],
-            y: [0.0; LANES],
-            z: [0.0; LANES],
-            w: [1.0; LANES],
-            linear: [0.0; LINEAR],
-            root: m.rotations[0],
-        };
+        let zero = [0.0; LANES];
+        let w = [1.0; LANES];
+        let mut row = Self { x: zero, y: zero, z: zero, w, linear: [0.0; LINEAR], root: m.rotations[0] };
         let mut linear = Vec::with_capacity(LINEAR);
         for j in &Joint::ALL[1..] {
             let (q, lane) = (m.rotations[j.index()], j.index() - 1);

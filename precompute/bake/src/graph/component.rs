@@ -165,14 +165,9 @@ const KNOWN: usize = 8;
 
 /// Components by all links, from those by the few links known to all ranks: ranks exchange the edges between
 /// components.
-fn merge_components(
-    graph: &EventGraph,
-    parts: Vec<Vec<u32>>,
-    alive: &[bool],
-    comm: &dyn Comm,
-) -> Result<Vec<Vec<u32>>> {
-    let part_of = component_of_events(&parts, alive.len());
-    let own = own_numbers(comm, alive.len()).into_iter().filter(|&i| alive[i]);
+fn merge_components(graph: &EventGraph, parts: Vec<Vec<u32>>, live: &[bool], comm: &dyn Comm) -> Result<Vec<Vec<u32>>> {
+    let part_of = component_of_events(&parts, live.len());
+    let own = own_numbers(comm, live.len()).into_iter().filter(|&i| live[i]);
     let paths = own.flat_map(|i| graph.component_edges(i, &part_of));
     let paths = gather_all(comm, sort_edges(paths.collect()))?;
     let joined = join_components(parts.len(), &sort_edges(paths));

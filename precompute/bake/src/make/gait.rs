@@ -105,13 +105,7 @@ impl GaitCycle {
     }
 
     /// The gait of one cycle, if it is steady and goes ahead.
-    fn from_cycle(
-        clip: &Clip,
-        skeleton: &Skeleton,
-        run: &FrameRange,
-        foot: usize,
-        [from, to]: [usize; 2],
-    ) -> Option<Self> {
+    fn from_cycle(clip: &Clip, body: &Skeleton, run: &FrameRange, foot: usize, [from, to]: [usize; 2]) -> Option<Self> {
         let period = to - from;
         let seconds = period as f64 / clip.rate_hz;
         if !(PERIOD_S[0]..=PERIOD_S[1]).contains(&seconds) {
@@ -154,7 +148,7 @@ impl GaitCycle {
         let class = if is_unknown { MotionClass { gait: Gait::Walk, neutral: false, ..class } } else { class };
         let captured_at = Vec::new();
         let gait = Self { clip: cut, event: lead, foot, period, base, travel, captured_at, unsteadiness, class };
-        gait.plants(skeleton, foot).get(1).is_some().then_some(gait)
+        gait.plants(body, foot).get(1).is_some().then_some(gait)
     }
 
     /// This gait with so many quick steps after its event, and as it was captured before and after them.
@@ -225,13 +219,7 @@ impl GaitCycle {
 
     /// The foot at a frame, for its stay on the ground or between two of them: how far its step is (0 to 1, or a little
     /// beyond, as feet swing past their place), and its pose in the frame of where it is then.
-    pub(super) fn foot(
-        &self,
-        skeleton: &Skeleton,
-        frame: usize,
-        foot: usize,
-        between: [&FootStay; 2],
-    ) -> (f32, MadeFoot) {
+    pub fn foot(&self, skeleton: &Skeleton, frame: usize, foot: usize, between: [&FootStay; 2]) -> (f32, MadeFoot) {
         let at = foot_point(&self.clip, skeleton, frame, foot);
         let [a, b] = between;
         let (dx, dz) = (b.base.x - a.base.x, b.base.z - a.base.z);

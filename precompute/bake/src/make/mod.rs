@@ -132,14 +132,8 @@ pub fn make_missing(
         (gaits.into_iter().flatten().collect(), stances.into_iter().flatten().collect());
     for (manner, lacks) in lacks {
         let own = all.iter().filter(|g| named_manner(&g.class.manner) == manner).cloned().collect();
-        make_of_gaits(
-            &choose_gaits(own, mirrored, lacks, &cfg.take),
-            &stances,
-            lacks,
-            &clips.skeleton,
-            mirrored,
-            &mut made,
-        );
+        let chosen = choose_gaits(own, mirrored, lacks, &cfg.take);
+        make_of_gaits(&chosen, &stances, lacks, &clips.skeleton, mirrored, &mut made);
     }
     let report = &mut made.report;
     report.stances.sort_unstable();
@@ -170,9 +164,7 @@ fn make_of_gaits(
     let of_manners: Vec<Vec<RestStance>> = manners.iter().map(of_manner).collect();
     let first = made.report.gaits.len();
     let mut maker = MotionMaker::new(skeleton, mirrored, made);
-    for stances in &of_manners {
-        maker.make_stands("stand", stances);
-    }
+    of_manners.iter().for_each(|stances| maker.make_stands("stand", stances));
     let mut seen = Vec::new();
     for (k, gait) in gaits.iter().enumerate() {
         let of = manners.binary_search(&&*gait.class.manner).unwrap_or(0);
@@ -282,9 +274,7 @@ impl<'a> MotionMaker<'a> {
         if turns && lacks.arcs[kind] {
             moves.extend(MadeMove::arcs(gait, lacks.sideways_mps2));
         }
-        for what in moves {
-            self.make(what, gait, stance, number.to_string());
-        }
+        moves.into_iter().for_each(|what| self.make(what, gait, stance, number.to_string()));
         if lacks.joins || lacks.starts && usual || lacks.is_apart(gait) {
             let all: Vec<usize> = if is_first { (0..stances.len()).collect() } else { vec![number % stances.len()] };
             for s in all {

@@ -64,17 +64,12 @@ pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<Sour
 ///
 /// # Errors
 /// As [`scenes`].
-pub fn embed(
-    clips: &mut ClipSet,
-    cfg: &PatchConfig,
-    units: &UnitSet,
-    contacts: &ContactConfig,
-) -> Result<SourceScenes> {
+pub fn embed(clips: &mut ClipSet, cfg: &PatchConfig, units: &UnitSet, contact: &ContactConfig) -> Result<SourceScenes> {
     let found = scenes(&clips.clips, cfg, units)?;
     let skeleton = clips.skeleton.clone();
     clips.clips.par_iter_mut().zip(&found.of_clip).for_each(|(clip, scene)| {
         if let Some(s) = scene {
-            annotate_in(clip, &skeleton, &found.scenes[*s], contacts, &cfg.touch);
+            annotate_in(clip, &skeleton, &found.scenes[*s], contact, &cfg.touch);
         }
     });
     mirror_contacts(&mut clips.clips, &found.of_clip);

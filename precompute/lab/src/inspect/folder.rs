@@ -143,10 +143,7 @@ fn oddity(imported: &ImportedClip, usable_s: f64, report: &ClipReport) -> Option
     let all: Vec<String> = report.warnings.iter().filter(|w| !of_skeleton(w)).map(|w| within(w)).collect();
     // Noise and the like explain why feet hardly stand.
     let floats = contact.left_share < LITTLE_CONTACT || contact.right_share < LITTLE_CONTACT;
-    match all.is_empty() {
-        true => floats.then(|| "feet hardly touch the ground".into()),
-        false => Some(all.join(" ")),
-    }
+    if all.is_empty() { floats.then(|| "feet hardly touch the ground".into()) } else { Some(all.join(" ")) }
 }
 
 /// Splits an error's message into the file and the rest.

@@ -71,19 +71,14 @@ const FRAMES_HZ: f64 = 30.0;
 ///
 /// # Errors
 /// [`BuildError::Stage`] for characters, times or a rate that the source does not have, and the errors of running it.
-pub fn perform(
-    show: PerformSource<'_>,
-    config: &PerformConfig,
-    folder: &Path,
-    progress: &dyn Progress,
-) -> Result<Take> {
-    config.rate_hz()?;
-    let job = TakeJob { config, folder, progress };
+pub fn perform(show: PerformSource<'_>, cfg: &PerformConfig, folder: &Path, progress: &dyn Progress) -> Result<Take> {
+    cfg.rate_hz()?;
+    let job = TakeJob { config: cfg, folder, progress };
     match show {
         PerformSource::Clips(bundle) => bundle::perform_clips(bundle, job),
         PerformSource::Trial(bundle, trial) => bundle::perform_trial(bundle, trial, job),
         PerformSource::Scene(compiled) => {
-            let span = TakeSpan::new(config, compiled.scene().seconds, None)?;
+            let span = TakeSpan::new(cfg, compiled.scene().seconds, None)?;
             let mut sim = Simulation::new(compiled).map_err(|e| export_error(e, "Correct the scene"))?;
             let mut camera = TakeRecorder::for_scene(&sim, span, job)?;
             // Prolonged to whole steps.
@@ -93,7 +88,7 @@ pub fn perform(
         }
         PerformSource::Recording(recording, compiled) => {
             STEP_HZ.check("step_hz", None, recording.step_hz).map_err(|e| export_error(e, "Record it again"))?;
-            let span = TakeSpan::new(config, recording.seconds, Some(recording.seconds))?;
+            let span = TakeSpan::new(cfg, recording.seconds, Some(recording.seconds))?;
             let sim = Simulation::new(compiled).map_err(|e| export_error(e, "Correct the scene"))?;
             let mut camera = TakeRecorder::for_scene(&sim, span, job)?;
             let hz = recording.step_hz;

@@ -39,9 +39,7 @@ pub(super) fn draw_pieces(panel: &mut Picture, camera: &PictureCamera, pieces: &
     let painter = Painter { pieces: &pieces, camera: *camera, light, shadows, contour };
     let size = (panel.width() as usize, panel.height() as usize);
     let bands = rasterize_bands(&pieces, camera, size, RAYS, 1, |band, pixels| painter.paint(band, pixels, size.0));
-    for (pixel, top) in panel.pixels_mut().iter_mut().zip(bands.concat()) {
-        *pixel = source_over(top, *pixel);
-    }
+    panel.pixels_mut().iter_mut().zip(bands.concat()).for_each(|(pixel, top)| *pixel = source_over(top, *pixel));
 }
 
 /// Converts bands of samples to pixels.

@@ -140,9 +140,7 @@ fn draw_marked(
     }
     draw_pieces(panel, camera, pieces);
     let mut tags = NamePlates::default();
-    for (at, name, tint) in names {
-        tags.draw_plate(panel, camera.project(*at), unit, name, *tint);
-    }
+    names.iter().for_each(|(at, name, tint)| tags.draw_plate(panel, camera.project(*at), unit, name, *tint));
 }
 
 /// A moment of a strip.

@@ -22,22 +22,16 @@ fn sibling_path(out: &Path, end: &str) -> PathBuf {
 /// Writes the changed clips, the first one always, and the carried objects.
 ///
 /// - `out`: file of the first character's clip; the others are written beside it, with the characters' names.
-/// - `number`: number of the motion, from 0; it is part of the file names except for the first.
+/// - `n`: number of the motion, from 0; it is part of the file names except for the first.
 /// - returns the files written.
 ///
 /// # Errors
 /// If a file cannot be written; an existing file in its place stays as it was.
-pub fn write_plan(
-    task: &Task,
-    clips: &[ActorClip],
-    outcome: &TaskOutcome,
-    out: &Path,
-    number: usize,
-) -> Result<Vec<PathBuf>> {
+pub fn write_plan(task: &Task, clips: &[ActorClip], found: &TaskOutcome, out: &Path, n: usize) -> Result<Vec<PathBuf>> {
     // Numbered file names: CLIP.bvh, CLIP-2.bvh, ...
-    let out = if number == 0 { out.to_path_buf() } else { sibling_path(out, &format!("-{}.bvh", number + 1)) };
+    let out = if n == 0 { out.to_path_buf() } else { sibling_path(out, &format!("-{}.bvh", n + 1)) };
     let mut written = Vec::new();
-    for (i, [before, after]) in outcome.clips.iter().enumerate() {
+    for (i, [before, after]) in found.clips.iter().enumerate() {
         if i > 0 && before == after {
             continue;
         }
@@ -46,7 +40,7 @@ pub fn write_plan(
         files::write_atomically(&path, |w| export::bvh::write_clip(&raw, w))?;
         written.push(path);
     }
-    let objects = ClipObjects { attachments: &outcome.attachments, events: &outcome.events };
+    let objects = ClipObjects { attachments: &found.attachments, events: &found.events };
     let path = sibling_path(&out, ".objects.json");
     if objects.attachments.is_empty() && objects.events.is_empty() {
         // The objects file of an earlier run does not belong to this clip.

@@ -67,9 +67,7 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &BuildContext<'
         return Ok(());
     }
     let name = bundle.display();
-    let Some(config) = config else {
-        return Err(config_error(format!("{name}: there is no such bundle; {WAY_OUT}")));
-    };
+    let Some(config) = config else { return Err(config_error(format!("{name}: there is no such bundle; {WAY_OUT}"))) };
     (with.report_news)(News::Making(format!("{name} is not there: building it from {}", config.display())));
     let report = BuildConfig::load(config).and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress));
     let report = report.map_err(|e| e.in_file(config)).map_err(|e| {

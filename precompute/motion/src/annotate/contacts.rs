@@ -130,9 +130,7 @@ pub fn detect_contacts(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) ->
         let frames = |s: f32| (s as f64 * clip.rate_hz).round() as usize;
         let mut planted = hysteresis(&weak, &strong, frames(cfg.min_duration), frames(cfg.max_gap));
         trim(&mut planted, |f| track.vertical_speeds[f] < cfg.vertical_speed_off * scale);
-        for (f, _) in planted.iter().enumerate().filter(|(_, p)| **p) {
-            out[f].insert(bit);
-        }
+        planted.iter().enumerate().filter(|(_, p)| **p).for_each(|(f, _)| out[f].insert(bit));
     }
     out
 }

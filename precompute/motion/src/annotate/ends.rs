@@ -115,9 +115,7 @@ fn fastest_joint(poses: &[[Vec3; NUM_JOINTS]], rate_hz: f64) -> Vec<f32> {
     let mut out = vec![0.0f32; poses.len()];
     for j in 0..NUM_JOINTS {
         let track: Vec<Vec3> = poses.iter().map(|p| p[j]).collect();
-        for (o, s) in out.iter_mut().zip(speeds(&track, rate_hz)) {
-            *o = o.max(s);
-        }
+        out.iter_mut().zip(speeds(&track, rate_hz)).for_each(|(o, s)| *o = o.max(s));
     }
     out
 }

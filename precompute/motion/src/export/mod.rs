@@ -42,25 +42,17 @@ fn joints(skeleton: &Skeleton) -> Vec<RawJoint> {
 ///
 /// The hips' rest offset is their standing height; rest rotations are the identity, so the rest pose is the T-pose.
 pub fn to_raw(clip: &Clip, skeleton: &Skeleton) -> RawClip {
-    let joints = joints(skeleton);
-    let mut translations = Vec::with_capacity(clip.num_frames() * joints.len());
-    let mut rotations = Vec::with_capacity(clip.num_frames() * joints.len());
-    for frame in 0..clip.num_frames() {
+    let (joints, num_frames) = (joints(skeleton), clip.num_frames());
+    let mut translations = Vec::with_capacity(num_frames * joints.len());
+    let mut rotations = Vec::with_capacity(num_frames * joints.len());
+    for frame in 0..num_frames {
         translations.push(clip.root_positions[frame]);
         translations.extend(joints[1..].iter().map(|j| j.offset));
         rotations.extend_from_slice(clip.frame_rotations(frame));
         rotations.extend([Quat::IDENTITY; 3]);
     }
-    RawClip {
-        name: clip.name.clone(),
-        path: clip.source.clone().into(),
-        format: SourceFormat::Bvh,
-        joints,
-        rate_hz: clip.rate_hz,
-        num_frames: clip.num_frames(),
-        translations,
-        rotations,
-    }
+    let (name, path, format) = (clip.name.clone(), clip.source.clone().into(), SourceFormat::Bvh);
+    RawClip { name, path, format, joints, rate_hz: clip.rate_hz, num_frames, translations, rotations }
 }
 
 /// Writes a file for each actor who is ever present: `NAME-7.bvh` of number 7, or `NAME.bvh` where there is one.

@@ -291,12 +291,8 @@ impl Take {
     ///
     /// # Errors
     /// Errors of the disk, and of `take`.
-    pub fn poses(
-        &self,
-        actor: usize,
-        mut take: impl FnMut(usize, &ActorPose, bool) -> io::Result<()>,
-    ) -> io::Result<()> {
-        self.scratch.frames(actor, |frame, n| take(frame, &ActorPose::from_numbers(n), n[NUMBERS - 1] > 0.5))
+    pub fn poses(&self, who: usize, mut take: impl FnMut(usize, &ActorPose, bool) -> io::Result<()>) -> io::Result<()> {
+        self.scratch.frames(who, |frame, n| take(frame, &ActorPose::from_numbers(n), n[NUMBERS - 1] > 0.5))
     }
 
     /// The numbers as they are kept, track by track.

@@ -45,12 +45,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
         let (path, rows) = (path.display(), if read as u64 > num_frames { "one row more" } else { "one row less" });
         warnings.push(format!("{path}: it has {rows} than the {num_frames} of `Frames:`; {read} are read."));
     }
-    Ok(SourceClip {
-        clip: frames.into_clip(path, SourceFormat::Bvh, rate_hz),
-        declared_metres_per_unit: None,
-        findings: vec![finding],
-        warnings,
-    })
+    let clip = frames.into_clip(path, SourceFormat::Bvh, rate_hz);
+    Ok(SourceClip { clip, declared_metres_per_unit: None, findings: vec![finding], warnings })
 }
 
 fn read_hierarchy(scan: &mut Scanner) -> Result<Hierarchy, ImportError> {

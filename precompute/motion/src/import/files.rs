@@ -128,10 +128,7 @@ fn find_under_path(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> 
 /// Name of a clip.
 fn clip_name_of(path: &Path, base: &Path) -> String {
     let within = |path: &Path| slashed(&path.strip_prefix(base).unwrap_or(path).with_extension(""));
-    match clip_in_file(path) {
-        Some((file, clip)) => format!("{}/{clip}", within(&file)),
-        None => within(path),
-    }
+    clip_in_file(path).map_or_else(|| within(path), |(file, clip)| format!("{}/{clip}", within(&file)))
 }
 
 /// A path with `/` between its parts.

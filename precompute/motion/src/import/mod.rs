@@ -97,10 +97,7 @@ impl ImportedSet {
     /// # Errors
     /// The first bad file where no file is good.
     pub fn require_clips(mut self) -> Result<Self, ImportError> {
-        match self.clips.is_empty() && !self.skipped.is_empty() {
-            true => Err(self.skipped.swap_remove(0)),
-            false => Ok(self),
-        }
+        if self.clips.is_empty() && !self.skipped.is_empty() { Err(self.skipped.swap_remove(0)) } else { Ok(self) }
     }
 
     /// Clips with the same motion as an earlier one, number by number, whatever the names of their files: pairs of indices of

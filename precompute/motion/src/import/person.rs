@@ -60,10 +60,10 @@ pub fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64, is_mean
 ///
 /// # Errors
 /// [`ImportError::Content`] naming the frame and how far it is.
-pub fn check_place<I: IntoIterator<Item = usize>>(
+pub fn check_place(
     clip: &RawClip,
     roles: &RoleMap,
-    frames: I,
+    frames: impl IntoIterator<Item = usize>,
 ) -> Result<(), ImportError> {
     let Some(hips) = roles.get(Joint::Hips) else { return Ok(()) };
     let away = |frame: usize| (frame, clip.world_of(hips, frame).0.length());

@@ -69,12 +69,7 @@ pub fn assign(clip: &RawClip, profiles: &[Profile], wanted: Option<&str>) -> Res
 }
 
 /// Checks the roles that a profile has given, and exchanges sides that are named wrong.
-fn check_profile(
-    clip: &RawClip,
-    tree: &SkeletonTree,
-    mut map: RoleMap,
-    is_wanted: bool,
-) -> Result<RoleMap, ImportError> {
+fn check_profile(clip: &RawClip, tree: &SkeletonTree, mut map: RoleMap, wanted: bool) -> Result<RoleMap, ImportError> {
     if let Some(role) = missing_role(&map) {
         let names: Vec<_> = clip.joints.iter().filter(|j| !j.is_end).take(80).map(|j| j.name.as_str()).collect();
         let message =
@@ -84,7 +79,7 @@ fn check_profile(
     }
     match shape::check_role_sides(tree, &map) {
         Ok(wrong) => wrong.correct(&mut map),
-        Err(e) if is_wanted => map.warnings.push(e.message),
+        Err(e) if wanted => map.warnings.push(e.message),
         Err(e) => return Err(content_error(&clip.path, e.message, &e.help)),
     }
     Ok(map)

@@ -75,15 +75,9 @@ impl FrameSink {
     /// Keeps at most `budget` joint transforms.
     pub fn new(joints: Vec<RawJoint>, budget: usize) -> Self {
         let rest: Vec<_> = joints.iter().map(|j| j.offset.as_dvec3()).collect();
-        Self {
-            translations: rest.clone(),
-            rotations: vec![DQuat::IDENTITY; rest.len()],
-            rest,
-            joints,
-            clip_translations: Vec::new(),
-            clip_rotations: Vec::new(),
-            budget,
-        }
+        let (translations, rotations) = (rest.clone(), vec![DQuat::IDENTITY; rest.len()]);
+        let (clip_translations, clip_rotations) = (Vec::new(), Vec::new());
+        Self { translations, rotations, rest, joints, clip_translations, clip_rotations, budget }
     }
 
     /// Resets the pose under construction to rest.

@@ -174,12 +174,8 @@ pub(super) fn normalise(clip: &mut RawClip, metres_per_unit: f64, up: UpAxis) {
         UpAxis::Y => v,
         UpAxis::Z => Vec3::new(v.x, v.z, -v.y),
     };
-    for joint in &mut clip.joints {
-        joint.offset = turn(joint.offset) * scale;
-    }
-    for t in &mut clip.translations {
-        *t = turn(*t) * scale;
-    }
+    clip.joints.iter_mut().for_each(|joint| joint.offset = turn(joint.offset) * scale);
+    clip.translations.iter_mut().for_each(|t| *t = turn(*t) * scale);
     if up == UpAxis::Z {
         for r in &mut clip.rotations {
             let axis = turn(r.xyz());

@@ -33,10 +33,7 @@ const UPRIGHT_SHIN: f32 = 0.1;
 
 /// Finds the constant rotation of every role.
 pub fn align(body: &SourceBody) -> Alignment {
-    let mut a = match &body.rest {
-        Some(_) => from_rest(body),
-        None => geometry::from_geometry(body),
-    };
+    let mut a = if body.rest.is_some() { from_rest(body) } else { geometry::from_geometry(body) };
     for (side, [_, shin, foot, toe]) in LEGS.into_iter().enumerate() {
         a[foot.index()] = foot_alignment(body, side, shin, foot, toe, &a);
         a[toe.index()] = toe_alignment(body, side, foot, toe, &a);

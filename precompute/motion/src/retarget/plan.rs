@@ -78,15 +78,10 @@ impl SkeletonGroup {
     }
 
     /// A clip on the skeleton, and the positions of its standing feet.
-    fn transfer(
-        &self,
-        source: &RetargetSource,
-        turn: Option<Quat>,
-        skeleton: &Skeleton,
-    ) -> (RetargetedMotion, Vec<FootPoint>) {
-        let source = RetargetSource { turn, ..*source };
-        let motion = transfer_motion(source, self, skeleton);
-        let standing = ground::standing_points(&motion, skeleton, source.clip.rate_hz);
+    fn transfer(&self, from: &RetargetSource, by: Option<Quat>, body: &Skeleton) -> (RetargetedMotion, Vec<FootPoint>) {
+        let from = RetargetSource { turn: by, ..*from };
+        let motion = transfer_motion(from, self, body);
+        let standing = ground::standing_points(&motion, body, from.clip.rate_hz);
         (motion, standing)
     }
 

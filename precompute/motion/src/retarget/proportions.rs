@@ -26,10 +26,7 @@ pub fn source_skeleton(body: &SourceBody, a: &Alignment) -> Skeleton {
         };
         offsets[j.index()] = relative[j.index()] - base;
     }
-    let tip = |i: usize, j: Joint| match body.tips[i] {
-        Some(t) => a[j.index()].inverse() * t,
-        None => default.tips[i] * scale,
-    };
+    let tip = |i: usize, j: Joint| body.tips[i].map_or_else(|| default.tips[i] * scale, |t| a[j.index()].inverse() * t);
     let tips = [tip(0, Joint::Head), tip(1, Joint::LeftToe), tip(2, Joint::RightToe)];
     let mut skeleton = Skeleton { offsets, tips };
     // Both feet stand: the toe joints are as high above their soles as the default skeleton's, on average.

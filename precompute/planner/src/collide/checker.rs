@@ -79,7 +79,7 @@ impl Checker {
                 level.within_rad - maths::atan2(maths::hypot(up.x, up.z), up.y)
             }),
             CollisionTarget::Solid(s) => {
-                let local = self.core_within_reach(problem, s, pair.part, time_s, limit);
+                let local = self.core_in_reach(problem, s, pair.part, time_s, limit);
                 let distance = |core| problem.solids[s].solid.shape.distance(&core, limit + part.radius) - part.radius;
                 return local.map_or(f64::INFINITY, distance);
             }
@@ -90,17 +90,10 @@ impl Checker {
     /// True where the surfaces of a pair are nearer than `limit`; needs [`Checker::place_parts`] first (m).
     ///
     /// - `whole`: false tests only the mesh triangle that was near last; a result of `false` then proves nothing.
-    pub(super) fn is_nearer(
-        &mut self,
-        problem: &Problem,
-        pair: &CollisionPair,
-        time_s: f64,
-        limit: f64,
-        whole: bool,
-    ) -> bool {
+    pub fn is_nearer(&mut self, problem: &Problem, pair: &CollisionPair, time_s: f64, limit: f64, whole: bool) -> bool {
         let CollisionTarget::Solid(s) = pair.target else { return self.pair_gap(problem, pair, time_s, limit) < limit };
         let radius = problem.parts[pair.part].radius;
-        let Some(local) = self.core_within_reach(problem, s, pair.part, time_s, limit) else { return false };
+        let Some(local) = self.core_in_reach(problem, s, pair.part, time_s, limit) else { return false };
         match &problem.solids[s].solid.shape {
             SolidShape::Mesh(mesh) => {
                 let slot = self.sample_cache.slot(problem, s, pair.part, time_s);
@@ -111,14 +104,7 @@ impl Checker {
     }
 
     /// Core of a part in the frame of a solid, `None` where the bounding balls are too far apart.
-    fn core_within_reach(
-        &mut self,
-        problem: &Problem,
-        s: usize,
-        part: usize,
-        time_s: f64,
-        limit: f64,
-    ) -> Option<Segment> {
+    fn core_in_reach(&mut self, problem: &Problem, s: usize, part: usize, time_s: f64, limit: f64) -> Option<Segment> {
         let (core, middle) = self.cores[part];
         let (part, solid, kept) = (&problem.parts[part], &problem.solids[s], &mut self.solids[s]);
         if kept.0 != self.checks {

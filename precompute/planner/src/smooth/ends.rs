@@ -32,27 +32,21 @@ impl Smoother<'_> {
     }
 
     /// Blends one end over some frames; returns false, and changes nothing, where that is not free.
-    fn blend_end(
-        &mut self,
-        frames: &mut Vec<LimbPose>,
-        spare: &mut Vec<LimbPose>,
-        length: usize,
-        at_goal: bool,
-    ) -> bool {
+    fn blend_end(&mut self, frames: &mut Vec<LimbPose>, spare: &mut Vec<LimbPose>, len: usize, at_goal: bool) -> bool {
         let problem = self.problem;
         let end = if at_goal { &problem.goal } else { &problem.init };
         let follows = self.path_end(at_goal).follows;
         let last = frames.len() - 1;
         spare.clear();
         spare.extend_from_slice(frames);
-        for k in 1..length {
+        for k in 1..len {
             let f = if at_goal { last - k } else { k };
             let there = if follows { problem.external_pose_at(self.grid.time_at(f)) } else { end.pose };
-            let share = smoothstep(k as f64 / length as f64);
+            let share = smoothstep(k as f64 / len as f64);
             spare[f] = there.slerp(&frames[f], share);
         }
-        let first = if at_goal { last - length } else { 0 };
-        let free = (first..first + length).all(|f| self.is_edge_free(spare, f));
+        let first = if at_goal { last - len } else { 0 };
+        let free = (first..first + len).all(|f| self.is_edge_free(spare, f));
         if free {
             std::mem::swap(frames, spare);
         }

@@ -63,9 +63,7 @@ pub fn follow_script(script: &BoxingScript, skeleton: &Skeleton, samples: &Sampl
     let mut bodies: Vec<BoxerBody> = postures.iter().enumerate().map(body).collect();
     let height = hips_heights(&bodies, &postures, skeleton, samples);
     for (body, height) in bodies.iter_mut().zip(height) {
-        for point in [&mut body.root, &mut body.chest, &mut body.neck] {
-            point.y += height;
-        }
+        [&mut body.root, &mut body.chest, &mut body.neck].into_iter().for_each(|point| point.y += height);
     }
     bodies
 }

@@ -81,14 +81,8 @@ fn pose(body: &BoxerBody, arms: [&ArmGoal; 2], skeleton: &Skeleton) -> BodyPose 
         let hips = body.facing + f64::from(twist_about_y(turned.as_quat()));
         forward_direction(hips + 0.7 * f64::from(wrap_angle((foot.yaw - hips) as f32)))
     });
-    BodyPose {
-        root: body.root,
-        hips: body.hips,
-        trunk: body.trunk,
-        arms: [0, 1].map(|i: usize| arm(LateralSide::BOTH[i], body, arms[i], skeleton)),
-        feet: body.feet,
-        knees,
-    }
+    let arms = [0, 1].map(|i: usize| arm(LateralSide::BOTH[i], body, arms[i], skeleton));
+    BodyPose { root: body.root, hips: body.hips, trunk: body.trunk, arms, feet: body.feet, knees }
 }
 
 fn arm(side: LateralSide, body: &BoxerBody, goal: &ArmGoal, skeleton: &Skeleton) -> ArmPose {

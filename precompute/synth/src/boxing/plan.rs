@@ -146,9 +146,7 @@ impl BoxingDealer {
         for moment in technique::defend(defence) {
             end = now + pace * moment.time;
             script.body.push(end, moment.body);
-            for (track, hand) in script.hands.iter_mut().zip(moment.hands) {
-                track.push(end, hand);
-            }
+            script.hands.iter_mut().zip(moment.hands).for_each(|(track, hand)| track.push(end, hand));
         }
         let held = end + rng.random_range(0.03..0.14);
         script.body.hold(held);

@@ -71,9 +71,7 @@ impl AlternatingFootfalls {
         let mut knots = Vec::new();
         for side in LateralSide::BOTH {
             let carried = if side == LateralSide::Left { 0.0 } else { 1.0 };
-            for w in self.feet[side.index()].windows(2) {
-                knots.extend([(w[0].lift, carried), (w[1].land, carried)]);
-            }
+            self.feet[side.index()].windows(2).for_each(|w| knots.extend([(w[0].lift, carried), (w[1].land, carried)]));
         }
         knots.sort_by(|a: &(f64, f64), b| a.0.total_cmp(&b.0));
         knots

@@ -119,9 +119,7 @@ pub fn apply_manner(pose: &mut BodyPose, manner: &Manner) {
         *segment *= DQuat::from_rotation_x(share * manner.slouch);
     }
     pose.trunk[4] *= DQuat::from_rotation_x(manner.nod);
-    for side in LateralSide::BOTH {
-        apply_manner_to_arm(&mut pose.arms[side.index()], side, manner);
-    }
+    LateralSide::BOTH.into_iter().for_each(|side| apply_manner_to_arm(&mut pose.arms[side.index()], side, manner));
 }
 
 fn apply_manner_to_arm(arm: &mut ArmPose, side: LateralSide, manner: &Manner) {

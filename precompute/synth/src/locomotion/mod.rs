@@ -63,9 +63,7 @@ fn clip(act: &LocomotionAct, number: usize, take: usize, cfg: &SynthConfig, skel
         }
     };
     let mut clip = frame::empty_clip(act.name(take), "locomotion", cfg);
-    for &i in &scene.frames {
-        frame::push_pose(&mut clip, &poses[i], Contacts::NONE, skeleton);
-    }
+    scene.frames.iter().for_each(|&i| frame::push_pose(&mut clip, &poses[i], Contacts::NONE, skeleton));
     let whole = 0..clip.num_frames();
     clip.tags =
         [act.gait.name(), act.manner.name].map(|name| ClipTag { name: name.into(), range: whole.clone() }).to_vec();

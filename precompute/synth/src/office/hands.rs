@@ -39,24 +39,18 @@ const HANGING: (f64, DVec3) = (0.15, DVec3::NEG_Z);
 const TAKEN: f64 = 0.25;
 
 /// Pose of an arm: hanging if the hand is not held, reaching for its wrist if it is, blended in between.
-pub fn arm(
-    side: LateralSide,
-    held: &HandFrame,
-    hanging: &ArmPose,
-    hand: &KeyedHandPose,
-    skeleton: &Skeleton,
-) -> ArmPose {
+pub fn arm(side: LateralSide, held: &HandFrame, hung: &ArmPose, hand: &KeyedHandPose, skeleton: &Skeleton) -> ArmPose {
     if hand.held <= 0.0 {
-        return *hanging;
+        return *hung;
     }
-    let reaching = reach(side, held, hanging, hand, skeleton);
+    let reaching = reach(side, held, hung, hand, skeleton);
     let u = (hand.held / TAKEN).min(1.0);
     let taken = u * u * (3.0 - 2.0 * u);
     ArmPose {
         clavicle: reaching.clavicle,
-        upper_arm: hanging.upper_arm.slerp(reaching.upper_arm, taken),
-        forearm: hanging.forearm.slerp(reaching.forearm, taken),
-        hand: hanging.hand.slerp(reaching.hand, hand.held.min(1.0)),
+        upper_arm: hung.upper_arm.slerp(reaching.upper_arm, taken),
+        forearm: hung.forearm.slerp(reaching.forearm, taken),
+        hand: hung.hand.slerp(reaching.hand, hand.held.min(1.0)),
     }
 }
 

@@ -91,9 +91,7 @@ fn talk(two: &mut [MotionScript; 2], heat: f64, rng: &mut impl Rng) {
     let from = two[0].now;
     let facing = [0, 1]
         .map(|k: usize| face_partner(lean_on(LateralSide::BOTH[rng.random_range(0..2)], &two[k], rng), 0.0, heat));
-    for (s, facing) in two.iter_mut().zip(facing) {
-        s.pose(from + 0.9, 0.85, facing);
-    }
+    two.iter_mut().zip(facing).for_each(|(s, facing)| s.pose(from + 0.9, 0.85, facing));
     let mut free = [from + 0.2; 2];
     let mut at = from + 0.2;
     for turn in 0..3 {
@@ -181,9 +179,7 @@ fn dance(two: &mut [MotionScript; 2]) {
     let from = two[0].now;
     for (k, s) in two.iter_mut().enumerate() {
         let hands = hand_before_body([0.17, -0.33, 0.31], [0.7, -1.0, -0.2], 0.35);
-        for side in LateralSide::BOTH {
-            s.hand(side, from + 1.0, 0.9, mirrored_for_side(side, hands));
-        }
+        LateralSide::BOTH.into_iter().for_each(|side| s.hand(side, from + 1.0, 0.9, mirrored_for_side(side, hands)));
         look_at_face(s, from + 0.8, 0.5);
         s.wait_until(from + 1.1);
         let home = s.stance;

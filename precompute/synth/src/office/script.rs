@@ -217,9 +217,7 @@ impl MotionScript {
     pub fn relax(&mut self, t: f64, over: f64) {
         self.pose(t, over, KeyedPosture::default());
         self.turn_head(t, over, 0.0, 0.0, 0.0);
-        for side in LateralSide::BOTH {
-            self.let_hang(side, t, over);
-        }
+        LateralSide::BOTH.into_iter().for_each(|side| self.let_hang(side, t, over));
     }
 
     /// Tags the time from `from` to now.

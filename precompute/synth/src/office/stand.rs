@@ -151,9 +151,9 @@ pub fn face_partner(lean: KeyedPosture, partner: f64, heat: f64) -> KeyedPosture
 
 /// Brings both hands together before the belly at about `t`.
 pub fn clasp_hands(script: &mut MotionScript, t: f64) {
-    for side in LateralSide::BOTH {
-        script.hand(side, t + 0.06 * side.sign(), 0.9, mirrored_for_side(side, CLASP));
-    }
+    LateralSide::BOTH
+        .into_iter()
+        .for_each(|side| script.hand(side, t + 0.06 * side.sign(), 0.9, mirrored_for_side(side, CLASP)));
 }
 
 /// Raises the left wrist, looks at it and lets it down.
@@ -192,9 +192,7 @@ fn scratch(script: &mut MotionScript, side: LateralSide, from: f64) -> f64 {
 fn stretch(script: &mut MotionScript, from: f64) -> f64 {
     let lean = |pitch: f64| Attitude { pitch, ..Attitude::default() };
     let back = KeyedPosture { hips: lean(-0.03), chest: lean(-0.09), shift: [0.0, 0.025], dip: 0.0 };
-    for side in LateralSide::BOTH {
-        script.hand(side, from + 1.0, 0.9, on_hip(side));
-    }
+    LateralSide::BOTH.into_iter().for_each(|side| script.hand(side, from + 1.0, 0.9, on_hip(side)));
     script.pose(from + 1.8, 0.9, back);
     script.turn_head(from + 1.8, 0.8, 0.0, -0.2, 0.0);
     script.pose(from + 2.6, 0.2, back);
@@ -227,9 +225,7 @@ fn present(script: &mut MotionScript, side: LateralSide, from: f64, to: f64, rng
     let back_at = to - 2.6;
     show(script, side, from + 0.4, back_at, rng);
     script.wait_until(back_at);
-    for foot in [side.other(), side] {
-        script.step(ScriptStep::aside(foot, home));
-    }
+    [side.other(), side].into_iter().for_each(|foot| script.step(ScriptStep::aside(foot, home)));
     let end = to.max(script.now + 0.4);
     script.relax(end, 1.3);
     script.wait_until(end);

@@ -365,9 +365,7 @@ fn cheer(s: &mut MotionScript, rng: &mut impl Rng) -> LoopSpan {
         }
         t += 0.64 + s.random_offset(0.04, rng).abs();
     }
-    for (side, pose) in LateralSide::BOTH.into_iter().zip(poses) {
-        s.hand(side, t, 0.05, pose);
-    }
+    LateralSide::BOTH.into_iter().zip(poses).for_each(|(side, pose)| s.hand(side, t, 0.05, pose));
     return_to_rest(s, t, 0.9);
     Some([ready, t])
 }

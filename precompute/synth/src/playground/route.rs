@@ -121,19 +121,13 @@ impl WalkRoute {
             walk.pause = rng.random_range(0.1..0.5);
             walk.turn_in_place(plan.last, &mut rng);
         }
-        let cost = route.stretch_to_goal(begin, &groups, goal, against);
+        let cost = route.stretch_to(begin, &groups, goal, against);
         (cost + 0.02 * (plan.first.abs() + plan.second.abs()) + plan.cost, route)
     }
 
     /// Stretches the steps of two groups so that the last one arrives; returns the penalty of stretching and of the
     /// path.
-    fn stretch_to_goal(
-        &mut self,
-        begin: usize,
-        groups: &[Range<usize>; 2],
-        goal: FeetStance,
-        against: PathPenalty,
-    ) -> f64 {
+    fn stretch_to(&mut self, begin: usize, groups: &[Range<usize>; 2], goal: FeetStance, against: PathPenalty) -> f64 {
         self.straighten(begin, groups[1].start, goal.heading);
         let end = self.stance_after(begin).at;
         let [a, b] = [0, 1].map(|g: usize| self.travel(begin, &groups[g]));
@@ -145,9 +139,7 @@ impl WalkRoute {
             missing.inverse() * (goal.at - end)
         };
         for (group, stretch) in groups.iter().zip(stretch.to_array()) {
-            for step in &mut self.walk.steps[group.clone()] {
-                step.shape.length *= 1.0 + stretch;
-            }
+            self.walk.steps[group.clone()].iter_mut().for_each(|step| step.shape.length *= 1.0 + stretch);
         }
         let mut cost = stretch.to_array().iter().map(|s| s.abs() + 50.0 * (s.abs() - STRETCH).max(0.0)).sum::<f64>();
         let mut at = self.at;

@@ -75,17 +75,11 @@ struct SlideRide<'a> {
 ///
 /// - `ends`: poses before and after.
 /// - returns moments `dt` seconds apart.
-pub fn descend(
-    course: &SlideCourse,
-    ends: [&BodyPose; 2],
-    skeleton: &Skeleton,
-    dt: f64,
-    rng: &mut impl Rng,
-) -> LegMoments {
+pub fn descend(course: &SlideCourse, ends: [&BodyPose; 2], body: &Skeleton, dt: f64, rng: &mut impl Rng) -> LegMoments {
     let ride = plan_ride(course, ends, rng);
     let samples = Samples::spaced(dt, ride.times.up + 0.6);
     let keyed = ride.body.sample(&samples, &[], 0.05);
-    let moments = samples.times.iter().zip(keyed).map(|(&t, keyed)| ride.moment_at(t, keyed, ends, skeleton));
+    let moments = samples.times.iter().zip(keyed).map(|(&t, keyed)| ride.moment_at(t, keyed, ends, body));
     let t = &ride.times;
     (moments.collect(), vec![("sit", 0.5, t.up), ("slide", t.scoot + 0.35, t.stop)])
 }
@@ -124,19 +118,12 @@ fn plan_ride<'a>(course: &'a SlideCourse, ends: [&BodyPose; 2], rng: &mut impl R
     let end = course.length() - REST;
     let when = |s: f64| scoot + hips.partition_point(|h| *h < s) as f64 * STEP;
     let stop = when(end - 2e-3);
-    let plant = when(end - 0.2);
+    let planted = when(end - 0.2);
     let first = if rng.random_bool(0.5) { LateralSide::Left } else { LateralSide::Right };
     let late = |side: LateralSide| if side == first { 0.0 } else { 0.07 };
     let rise = stop + 0.45 * rng.random_range(0.9..1.3);
-    let times = SlideTimes {
-        seat,
-        scoot,
-        go: scoot + pull,
-        plant: LateralSide::BOTH.map(|side| plant + late(side)),
-        stop,
-        rise,
-        up: rise + rng.random_range(1.0..1.2),
-    };
+    let plant = LateralSide::BOTH.map(|side| planted + late(side));
+    let times = SlideTimes { seat, scoot, go: scoot + pull, plant, stop, rise, up: rise + rng.random_range(1.0..1.2) };
     let body = carriages(course, ends, &times, rng);
     let hands = LateralSide::BOTH.map(|side| hand_track(side, course, &times));
     SlideRide { course, times, hips, hands, body, first }

@@ -34,9 +34,7 @@ impl Pelvis {
     /// Raises the hips as high as both legs allow.
     pub fn stand_up(&mut self, input: &PelvisInput) {
         let height = height(input, self);
-        for (p, h) in self.position.iter_mut().zip(height) {
-            p.y = h;
-        }
+        self.position.iter_mut().zip(height).for_each(|(p, h)| p.y = h);
     }
 
     /// World rotation at a sample.

@@ -35,20 +35,16 @@ struct CellLink {
 
 /// Cells of all frames of the segments, and links for their sub-sequences.
 ///
-/// - `root_heights`: height of the hips over the clip's ground, by frame row (m).
+/// - `heights`: height of the hips over the clip's ground, by frame row (m).
 /// - returns cells with links, and the links by the cell they begin in.
-pub(super) fn embed(
-    given: &PatchInputs,
-    segments: &[BlockSegment],
-    root_heights: &[f32],
-) -> (Vec<CellRecord>, Vec<LinkRecord>) {
+pub fn embed(given: &PatchInputs, segments: &[BlockSegment], heights: &[f32]) -> (Vec<CellRecord>, Vec<LinkRecord>) {
     let PatchInputs { tracks, config, .. } = *given;
     let mut keys = BTreeMap::<BlockCellKey, PlacementSum>::new();
     let each = |s: &BlockSegment| s.range.clone();
     for s in segments {
         for f in each(s) {
             if let Some(key) = cell_key(&tracks[s.clip], s, f, config) {
-                keys.entry(key).or_default().add(hips_position(&tracks[s.clip], s, f, root_heights));
+                keys.entry(key).or_default().add(hips_position(&tracks[s.clip], s, f, heights));
             }
         }
     }
@@ -59,7 +55,7 @@ pub(super) fn embed(
         let track = &tracks[s.clip];
         let cell = |f: usize| cell_key(track, s, f, config).map(|k| number[&k]);
         let cells: Vec<Option<u32>> = each(s).map(cell).collect();
-        let off = |f: usize, c: u32| distance(hips_position(track, s, f, root_heights), means[c as usize], config);
+        let off = |f: usize, c: u32| distance(hips_position(track, s, f, heights), means[c as usize], config);
         let offs: Vec<f32> = each(s).zip(&cells).map(|(f, c)| c.map_or(0.0, |c| off(f, c))).collect();
         for (a, from) in cells.iter().enumerate() {
             let Some(from) = *from else { continue };
@@ -88,15 +84,9 @@ pub(super) fn embed(
 /// A link as captured, without its cells.
 pub(super) fn captured_link(track: &PatchTrack, segment: &BlockSegment, start: usize, end: usize) -> LinkRecord {
     let placed = |f: usize| segment.to_block.compose(Placement::from_planar(track.places[f], 0.0));
-    LinkRecord {
-        from: NONE,
-        to: NONE,
-        frame: track.first_row + start as u32,
-        num_frames: (end - start) as u16,
-        tag: track.tag_of(&(start..end)),
-        start: placed(start),
-        end: placed(end),
-    }
+    let (frame, num_frames) = (track.first_row + start as u32, (end - start) as u16);
+    let (tag, start, end) = (track.tag_of(&(start..end)), placed(start), placed(end));
+    LinkRecord { from: NONE, to: NONE, frame, num_frames, tag, start, end }
 }
 
 fn cell_key(track: &PatchTrack, segment: &BlockSegment, frame: usize, config: &PatchConfig) -> Option<BlockCellKey> {

@@ -36,10 +36,7 @@ struct BuildingBlock {
 ///
 /// # Errors
 /// [`StopRequested`] if the progress is stopped.
-pub(super) fn build(
-    given: &PatchInputs,
-    progress: &dyn Progress,
-) -> Result<Vec<(RawPatch, PatchReport)>, StopRequested> {
+pub fn build(given: &PatchInputs, progress: &dyn Progress) -> Result<Vec<(RawPatch, PatchReport)>, StopRequested> {
     let mut blocks = Vec::new();
     given.config.block_units.iter().for_each(|&k| find_blocks(given, k, &mut blocks));
     progress.begin("patch", blocks.len() as u64, "blocks");

@@ -25,9 +25,7 @@ impl BlockShape {
         let mut units = placed.to_vec();
         units.sort_by_key(|u| u.unit);
         let to_block = units[0].placement.inverse();
-        for u in &mut units {
-            u.placement = to_block.compose(u.placement).with_wrapped_heading();
-        }
+        units.iter_mut().for_each(|u| u.placement = to_block.compose(u.placement).with_wrapped_heading());
         (Self { units }, to_block)
     }
 

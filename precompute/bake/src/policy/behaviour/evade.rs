@@ -34,13 +34,7 @@ pub struct Evade {
 impl Evade {
     /// # Errors
     /// [`BuildError::Key`] names the key that is out of its range.
-    pub fn new(
-        config: &PolicyBehaviourConfig,
-        clips: &ClipSet,
-        graph: &RawMotionGraph,
-        comm: &dyn Comm,
-    ) -> Result<Self> {
-        let c = config;
+    pub fn new(c: &PolicyBehaviourConfig, clips: &ClipSet, graph: &RawMotionGraph, comm: &dyn Comm) -> Result<Self> {
         c.check()?;
         if c.reward.is_some_and(|r| r != RewardForm::Max) {
             return Err(BuildError::key("reward", "the kind `evade` has `max` alone: one blow lands at one moment"));
@@ -61,7 +55,7 @@ impl Evade {
         let region = c.region.make_region(true, default)?;
         let reward = Reward::new(reward).map_err(|e| BuildError::key("height", e))?;
         let spec = BehaviourSpec { region, costs, ..BehaviourSpec::new("", grid, reward, c.discount_at(rate_hz)) };
-        Ok(Self { config: config.clone(), spec, paths })
+        Ok(Self { config: c.clone(), spec, paths })
     }
 }
 

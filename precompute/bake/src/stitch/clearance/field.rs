@@ -60,10 +60,7 @@ impl DistanceField {
     fn size(geometry: &UnitGeometry) -> [usize; 3] {
         let bounds = geometry.bounds.expanded(Self::MARGIN_M);
         let cells = |length: f32| (length / Self::STEP_M).ceil().max(0.0) as usize;
-        match geometry.bounds.is_empty() {
-            true => [0; 3],
-            false => (bounds.max - bounds.min).to_array().map(cells),
-        }
+        if geometry.bounds.is_empty() { [0; 3] } else { (bounds.max - bounds.min).to_array().map(cells) }
     }
 
     /// Computes the field of a unit that is not too large.

@@ -6,11 +6,7 @@ use crate::stitch::place::place_patches::PlacedPatches;
 use throng_core::patch::{NONE, PatchTables};
 
 /// Builds the graph of a world (prepared for `placed`, whose sizes are checked).
-pub(in crate::stitch) fn build_joined_graph(
-    patches: &PatchTables,
-    placed: &PlacedPatches,
-    prepared: PreparedWorld,
-) -> JoinedGraph {
+pub fn build_joined_graph(patches: &PatchTables, placed: &PlacedPatches, prepared: PreparedWorld) -> JoinedGraph {
     let mut joined = JoinedGraph {
         patches: patches.clone(),
         exits: exits(patches),
@@ -50,9 +46,7 @@ fn add_instances(placed: &PlacedPatches, situations: &[u32], joined: &mut Joined
 fn add_overlaps(placed: &PlacedPatches, joined: &mut JoinedGraph) {
     let pairs = || (0u32..).zip(&placed.pairs).zip(&joined.crossing_of).filter(|(_, crossing)| **crossing != NONE);
     for ((_, (a, b, _)), _) in pairs() {
-        for i in [a, b] {
-            joined.parts[*i as usize].num_overlaps += 1;
-        }
+        [a, b].into_iter().for_each(|i| joined.parts[*i as usize].num_overlaps += 1);
     }
     let mut next = 0;
     for part in &mut joined.parts {

@@ -83,11 +83,7 @@ impl WorldRemains {
 /// Finds the remaining motion of a world.
 ///
 /// - `found`: results of earlier searches.
-pub(in crate::stitch) fn find_remains(
-    found: &mut StitchCache,
-    placed: &PlacedPatches,
-    judged: &JudgedGraph<'_>,
-) -> WorldRemains {
+pub fn find_remains(found: &mut StitchCache, placed: &PlacedPatches, judged: &JudgedGraph<'_>) -> WorldRemains {
     let mut out = WorldRemains::default();
     find_outcomes(&mut found.outcomes, placed, judged, &mut out);
     find_remaining_joints(&mut found.remaining, placed, judged.joined, &mut out);

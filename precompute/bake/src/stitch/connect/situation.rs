@@ -31,12 +31,8 @@ pub(in crate::stitch) struct PatchSituation {
 
 impl PatchSituation {
     /// - `masks`: bits of the links that each of the obstacles obstructs.
-    pub fn new<'m>(
-        patches: &PatchTables,
-        surroundings: PatchSurroundings,
-        masks: impl Iterator<Item = &'m [u64]>,
-    ) -> Self {
-        let patch = surroundings.patch as usize;
+    pub fn new<'m>(patches: &PatchTables, around: PatchSurroundings, masks: impl Iterator<Item = &'m [u64]>) -> Self {
+        let patch = around.patch as usize;
         let (cells, links) = (patches.cells_of(patch), patches.links_of(patch));
         let mut link_words = all_set(links.len());
         for mask in masks {
@@ -47,7 +43,7 @@ impl PatchSituation {
         let left = (0u32..).zip(links).filter(|(l, link)| is_set(&link_words, 0, *l) && !link.is_for_two());
         let into = BitRows::new(cells.len(), left.map(|(_, link)| (link.to, link.from)));
         let out = into.transposed(cells.len());
-        Self { surroundings, link_words, out, into }
+        Self { surroundings: around, link_words, out, into }
     }
 
     /// Usable joints if links of side a collide: out of a link that is clear up to the joint, into one that is clear

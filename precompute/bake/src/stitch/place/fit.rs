@@ -86,9 +86,7 @@ impl Placer<'_> {
     pub fn fit_patches(&self, index: &UnitIndex<'_>) -> Vec<FittedPatch> {
         let Self { library, patterns, .. } = self;
         let mut of_unit = vec![Vec::new(); library.units.units.len()];
-        for (p, pattern) in patterns.iter().enumerate() {
-            of_unit[pattern.units[0].0].push(p);
-        }
+        patterns.iter().enumerate().for_each(|(p, pattern)| of_unit[pattern.units[0].0].push(p));
         let mut seen = HashSet::new();
         let mut out = Vec::new();
         for (i, placed) in (0u32..).zip(&index.environment.units) {

@@ -212,15 +212,10 @@ impl JoinSpots {
     }
 
     /// Spots of a group near a placement, with their relative distance.
-    pub fn spots_near(
-        &self,
-        group: u32,
-        at: Placement,
-        nearness: JoinTolerance,
-    ) -> impl Iterator<Item = (&JoinSpot, f32)> {
+    pub fn spots_near(&self, group: u32, at: Placement, near: JoinTolerance) -> impl Iterator<Item = (&JoinSpot, f32)> {
         // A margin against rounding.
-        let reach = nearness.position + 1e-4;
-        let around = self.bounds.expanded(reach.max(nearness.height + 1e-4));
+        let reach = near.position + 1e-4;
+        let around = self.bounds.expanded(reach.max(near.height + 1e-4));
         let first_of_group = group as usize * self.num_strips;
         let is_here = first_of_group + self.num_strips < self.starts.len() && around.contains(at.translation());
         let last = self.num_strips as i32 - 1;
@@ -233,7 +228,7 @@ impl JoinSpots {
             spots[first..]
                 .iter()
                 .take_while(move |s| s.at.z <= at.z + reach)
-                .filter_map(move |s| nearness.distance(s.at, at).map(|d| (s, d)))
+                .filter_map(move |s| near.distance(s.at, at).map(|d| (s, d)))
         })
     }
 }

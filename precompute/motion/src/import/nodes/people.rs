@@ -42,9 +42,7 @@ pub(super) fn find_people(scene: &RigScene<'_>) -> Result<Vec<ScenePerson>, Stri
     };
     if scene.skins.is_empty() {
         let mut by_root = BTreeMap::<usize, Vec<usize>>::new();
-        for &node in &moved {
-            by_root.entry(tree.path_up(node).last().unwrap_or(node)).or_default().push(node);
-        }
+        moved.iter().for_each(|&node| by_root.entry(tree.path_up(node).last().unwrap_or(node)).or_default().push(node));
         by_root.values().for_each(|nodes| add(nodes));
     }
     for skin in &scene.skins {

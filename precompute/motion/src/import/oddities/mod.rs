@@ -55,9 +55,7 @@ fn shaking(clip: &RawClip, roles: &RoleMap) -> Option<f32> {
     let joints: Vec<usize> = JOINTS.into_iter().filter_map(|j| roles.get(j)).collect();
     let mut tracks: Vec<Vec<Quat>> = vec![Vec::new(); joints.len()];
     for f in (0..clip.num_frames).step_by(stride) {
-        for (track, &j) in tracks.iter_mut().zip(&joints) {
-            track.push(clip.rotations[f * clip.joints.len() + j]);
-        }
+        tracks.iter_mut().zip(&joints).for_each(|(track, &j)| track.push(clip.rotations[f * clip.joints.len() + j]));
     }
     let median = |all: Vec<f32>| quantile(all, [1, 2]);
     let all = tracks.iter().map(|t| products(t)).filter(|all| all.len() >= FEWEST).filter_map(median);

@@ -133,12 +133,8 @@ fn best_body(tree: &SkeletonTree, pairs: &[MirroredChains]) -> Option<Recognised
 }
 
 /// The pairs that are the most like legs or arms, in their order.
-fn likeliest(
-    pairs: &[MirroredChains],
-    limb: impl Fn(&MirroredChains) -> &LimbPair,
-    longest: f32,
-) -> Vec<&MirroredChains> {
-    let value = |i: &usize| 2.0 * limb(&pairs[*i]).names + limb(&pairs[*i]).score / longest;
+fn likeliest(pairs: &[MirroredChains], limb: impl Fn(&MirroredChains) -> &LimbPair, most: f32) -> Vec<&MirroredChains> {
+    let value = |i: &usize| 2.0 * limb(&pairs[*i]).names + limb(&pairs[*i]).score / most;
     let mut all: Vec<usize> = (0..pairs.len()).collect();
     all.sort_by(|a, b| value(b).total_cmp(&value(a)));
     all.truncate(MAX_PAIRS);

@@ -85,7 +85,7 @@ impl Task {
     ///
     /// Where a limb finds no path from a place, the next place is tried, a few times.
     ///
-    /// - `sources`: one for each character, in the task's order.
+    /// - `actors`: one for each character, in the task's order.
     /// - `rate_hz`: rate of the clips of walking characters, where no character has a clip.
     /// - `seed`: as in [`Task::run`].
     ///
@@ -94,16 +94,11 @@ impl Task {
     ///
     /// # Source
     /// Shapiro, Kallmann and Faloutsos 2007, section 6.2, last paragraph. Differs: the place to stand is searched, too.
-    pub fn plan_walks(
-        &self,
-        sources: &[ActorSource],
-        rate_hz: f64,
-        seed: Option<u64>,
-    ) -> Result<WalkedTask, WalkError> {
+    pub fn plan_walks(&self, actors: &[ActorSource], rate_hz: f64, seed: Option<u64>) -> Result<WalkedTask, WalkError> {
         let mut passed = vec![0; self.steps.len()];
         let mut best: Option<(usize, WalkedTask)> = None;
         for _ in 0..MOST_TRIES {
-            let walked = match (self.walk_all(sources, rate_hz, &passed), &best) {
+            let walked = match (self.walk_all(actors, rate_hz, &passed), &best) {
                 (Ok(walked), _) => walked,
                 (Err(WalkError::NoPlace { .. }), Some(_)) => break,
                 (Err(e), _) => return Err(e),
