@@ -308,8 +308,6 @@ fn adaptive(r: &AdaptiveReport) -> Vec<(&'static str, String)> {
 /// A verdict as text.
 pub fn verdict_text(verdict: &Verdict) -> String {
     let mut text = format!("verdict  {}.\n", verdict.sentences.join(";\n         "));
-    for advice in &verdict.advice {
-        _ = writeln!(text, "advice   {advice}.");
-    }
+    verdict.advice.iter().for_each(|advice| _ = writeln!(text, "advice   {advice}."));
     text
 }

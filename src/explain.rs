@@ -53,9 +53,7 @@ pub fn run(args: &Args) -> CommandResult {
     let scene = recording.scene()?;
     crate::run::ensure_scene(&scene, &args.cache)?;
     let sim = recording.replay(&scene.open()?, args.at)?;
-    let Some(brains) = sim.brains() else {
-        return fail("the scene says no more than goals: no agent has a brain");
-    };
+    let Some(brains) = sim.brains() else { return fail("the scene says no more than goals: no agent has a brain") };
     match (&args.message, args.agent) {
         (Some(event), _) => print_event_spread(brains, event, args.json),
         (None, Some(agent)) if agent < sim.num_characters() => {

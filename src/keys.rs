@@ -44,10 +44,7 @@ fn resolve_schema<'a>(root: &'a Value, value: &'a Value) -> &'a Value {
         return resolve_schema(root, &root["$defs"][name]);
     }
     let some = |v: &&Value| v["type"] != "null";
-    match value["anyOf"].as_array().and_then(|all| all.iter().find(some)) {
-        Some(one) => resolve_schema(root, one),
-        None => value,
-    }
+    value["anyOf"].as_array().and_then(|all| all.iter().find(some)).map_or(value, |one| resolve_schema(root, one))
 }
 
 /// The first paragraph of a doc comment, on one line.

@@ -78,9 +78,7 @@ fn main() -> ExitCode {
     limit_threads();
     let matches = help::parser(std::env::args_os()).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
-    let Some(command) = cli.command else {
-        return exit_code(output::text(args::FIRST_STEPS));
-    };
+    let Some(command) = cli.command else { return exit_code(output::text(args::FIRST_STEPS)) };
     let done = match command {
         MainCommand::Demo(a) => demo::run(&a),
         MainCommand::Synth(a) => synth::run(&a),

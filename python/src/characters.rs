@@ -131,9 +131,7 @@ impl PyCharacters {
     fn poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f32>>> {
         let model = self.characters.bodies().model;
         let mut rows = vec![0.0; model.len() * NUM_JOINTS * 12];
-        for (to, pose) in rows.as_chunks_mut().0.iter_mut().zip(model) {
-            write_pose(pose, to);
-        }
+        rows.as_chunks_mut().0.iter_mut().zip(model).for_each(|(to, pose)| write_pose(pose, to));
         PyArray1::from_vec(py, rows).reshape([model.len(), NUM_JOINTS, 3, 4])
     }
 

@@ -73,33 +73,27 @@ fn changed_span(outcome: &TaskOutcome, who: usize) -> [f64; 2] {
 }
 
 /// All characters and objects at a time.
-fn world_moment(
-    task: &Task,
-    clips: &[ActorClip],
-    outcome: &TaskOutcome,
-    [who, when]: [usize; 2],
-    time_s: f64,
-) -> WorldMoment {
+fn world_moment(task: &Task, clips: &[ActorClip], found: &TaskOutcome, [who, when]: [usize; 2], t: f64) -> WorldMoment {
     let figure = |i: usize| {
-        let clip = &outcome.clips[i][when];
-        let frame = ((time_s * clip.rate_hz).round() as usize).min(clip.num_frames() - 1);
+        let clip = &found.clips[i][when];
+        let frame = ((t * clip.rate_hz).round() as usize).min(clip.num_frames() - 1);
         let skeleton = &clips[i].skeleton;
         BodyFigure::from_transforms(skeleton, &clip.joint_transforms(skeleton, frame))
     };
-    let others = (0..outcome.clips.len()).filter(|i| *i != who).enumerate();
+    let others = (0..found.clips.len()).filter(|i| *i != who).enumerate();
     let mut figures = vec![WorldFigure { figure: figure(who), colours: BodyColours::default() }];
     figures.extend(others.map(|(k, i)| WorldFigure {
         figure: figure(i),
         colours: BodyColours::plain(Colour::hex(OTHERS[k % OTHERS.len()])),
     }));
-    let paths = &outcome.scenery[when].paths;
+    let paths = &found.scenery[when].paths;
     let solids = task.things.iter().zip(paths).enumerate().flat_map(|(i, (thing, path))| {
-        let at = path.place_at(time_s);
+        let at = path.place_at(t);
         thing.shapes.iter().filter_map(move |s| Some((solid(s, &at)?, Colour::hex(TINTS[i % TINTS.len()]))))
     });
-    let gazes = (0..outcome.clips.len()).filter(|_| when == 1).flat_map(|i| gaze_solids(clips, outcome, i, time_s));
+    let gazes = (0..found.clips.len()).filter(|_| when == 1).flat_map(|i| gaze_solids(clips, found, i, t));
     let solids = solids.chain(gazes.map(|s| (s, Colour::hex(GAZE)))).collect();
-    WorldMoment { time_s: time_s as f32, figures, framed: 1, solids, ..WorldMoment::default() }
+    WorldMoment { time_s: t as f32, figures, framed: 1, solids, ..WorldMoment::default() }
 }
 
 /// Solids of a gaze: a line ahead of the face, as long as the distance to its target, and a ball at the target.

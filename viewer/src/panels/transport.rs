@@ -34,9 +34,7 @@ fn time_of(model: &Model) -> Option<TransportTime> {
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
-    let Some(t) = time_of(model) else {
-        return drop(ui.weak("Open a file to play it."));
-    };
+    let Some(t) = time_of(model) else { return drop(ui.weak("Open a file to play it.")) };
     let marks = if model.shows_clip() { glitches::shown_glitches(model) } else { Vec::new() };
     scrubber(ui, &t, &marks, commands);
     ui.horizontal_wrapped(|ui| {

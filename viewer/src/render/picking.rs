@@ -24,16 +24,11 @@ pub struct PickedCharacter {
 /// Bodies are the capsules of their [`BodyVolume`] with a little room; spheres around whole characters are tested first.
 /// Characters with fewer than `num_joints` matrices in the palette are skipped.
 ///
-/// - `palette`: joints in model space (num_characters * num_joints).
-pub fn pick(
-    ray: &Ray,
-    skeleton: &Skeleton,
-    palette: &[Mat3x4],
-    instances: &[CharacterInstance],
-) -> Option<PickedCharacter> {
-    let (reach, volume) = (cull::reach(skeleton), BodyVolume::new(skeleton));
+/// - `poses`: joints in model space (num_characters * num_joints).
+pub fn pick(ray: &Ray, body: &Skeleton, poses: &[Mat3x4], instances: &[CharacterInstance]) -> Option<PickedCharacter> {
+    let (reach, volume) = (cull::reach(body), BodyVolume::new(body));
     let mut nearest: Option<PickedCharacter> = None;
-    for (character, (instance, pose)) in instances.iter().zip(palette.chunks_exact(NUM_JOINTS)).enumerate() {
+    for (character, (instance, pose)) in instances.iter().zip(poses.chunks_exact(NUM_JOINTS)).enumerate() {
         let limit = nearest.map_or(f32::INFINITY, |h| h.distance);
         if !may_hit_sphere(ray, world_position(instance.root, pose[0].translation()), reach, limit) {
             continue;

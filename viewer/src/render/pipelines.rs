@@ -265,12 +265,7 @@ pub(super) fn texture_layout(device: &Device, label: &str, view_dimension: Textu
 }
 
 /// A group of resources, in binding order.
-pub(super) fn bind_group(
-    device: &Device,
-    label: &str,
-    layout: &BindGroupLayout,
-    all: &[BindingResource<'_>],
-) -> BindGroup {
+pub fn bind_group(device: &Device, label: &str, layout: &BindGroupLayout, all: &[BindingResource<'_>]) -> BindGroup {
     let all = (0..).zip(all).map(|(binding, resource)| BindGroupEntry { binding, resource: resource.clone() });
     let entries: Vec<_> = all.collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })

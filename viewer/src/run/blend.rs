@@ -156,9 +156,7 @@ impl BlendRun {
         }
         let dt_s = 1.0 / STEP_HZ;
         let left = (-dt_s / HALF_LIFE_S).exp2();
-        for (p, wanted) in self.point.iter_mut().zip(self.blending.point) {
-            *p = wanted + (*p - wanted) * left;
-        }
+        self.point.iter_mut().zip(self.blending.point).for_each(|(p, wanted)| *p = wanted + (*p - wanted) * left);
         self.walk(space, bundle.tables().skeleton(), dt_s)?;
         self.reel.push(self.current_moment());
         Ok(())

@@ -56,16 +56,9 @@ impl ChoiceRecord {
     ///
     /// - `targets`, `threats`: as they were before the step; there may be no threats (number of characters).
     /// - `weights`: weight of every goal.
-    pub fn observe(
-        &mut self,
-        characters: &Characters,
-        targets: &[Vec3],
-        threats: &[Vec3],
-        weights: &Arc<[f32]>,
-        step: u32,
-    ) {
+    pub fn observe(&mut self, group: &Characters, targets: &[Vec3], threats: &[Vec3], weights: &Arc<[f32]>, step: u32) {
         for (c, (num, last)) in self.num.iter_mut().zip(&mut self.last).enumerate() {
-            let made = characters.num_choices(c);
+            let made = group.num_choices(c);
             if made != std::mem::replace(num, made) {
                 let threat = threats.get(c).copied().unwrap_or_default();
                 *last = RecordedChoice { step, target: targets[c], threat, weights: Arc::clone(weights) };

@@ -13,26 +13,19 @@ use throng_precompute::annotate::contacts::FOOT_PARTS;
 /// they are enabled.
 ///
 /// - `pose`: joints in model space.
-pub(super) fn body(
-    shapes: &mut ShapeList,
-    o: Overlays,
-    root: Planar,
-    pose: &[Mat3x4],
-    planted: Contacts,
-    palette: &StagePalette,
-) {
+pub fn body(out: &mut ShapeList, o: Overlays, root: Planar, pose: &[Mat3x4], down: Contacts, palette: &StagePalette) {
     if o.contacts {
         for (joint, part) in FOOT_PARTS {
             let at = root.translation() + root.rotation() * pose[joint.index()].translation();
-            if planted.any(part) {
-                shapes.disc(at.with_y(0.01), 0.055, palette.planted.alpha(0.85));
+            if down.any(part) {
+                out.disc(at.with_y(0.01), 0.055, palette.planted.alpha(0.85));
             } else {
-                shapes.ring(at.with_y(0.01), 0.035, 0.042, palette.lifted);
+                out.ring(at.with_y(0.01), 0.035, 0.042, palette.lifted);
             }
         }
     }
     if o.joint_axes {
-        joint_axes(shapes, root, pose);
+        joint_axes(out, root, pose);
     }
 }
 
@@ -73,9 +66,7 @@ pub(super) fn hits(shapes: &mut ShapeList, model: &Model, bundle: &OpenBundle, r
 pub(super) fn joint_axes(shapes: &mut ShapeList, root: Planar, pose: &[Mat3x4]) {
     let (turn, move_by) = (root.rotation(), root.translation());
     shapes.on_top(true);
-    for m in pose {
-        shapes.axes(move_by + turn * m.translation(), turn * m.rotation(), 0.07, 1.5);
-    }
+    pose.iter().for_each(|m| shapes.axes(move_by + turn * m.translation(), turn * m.rotation(), 0.07, 1.5));
     shapes.on_top(false);
 }
 

@@ -121,9 +121,7 @@ impl BodyVariant {
     fn pose(&self, database: &Skeleton, pose: &[Mat3x4]) -> [(Vec3, Quat); NUM_JOINTS] {
         let mut own: [(Vec3, Quat); NUM_JOINTS] =
             std::array::from_fn(|j| (pose[j].translation(), pose[j].rotation().normalize()));
-        for thigh in [Joint::LeftThigh, Joint::RightThigh] {
-            own[thigh.index()].0.y += self.rise;
-        }
+        [Joint::LeftThigh, Joint::RightThigh].into_iter().for_each(|thigh| own[thigh.index()].0.y += self.rise);
         let worn = self.fit.wear_pose(database, &own);
         let mut out = [(worn.hips, worn.model[0]); NUM_JOINTS];
         for joint in &Joint::ALL[1..] {

@@ -106,9 +106,7 @@ fn direction(force: Vec3, ahead: Vec3) -> String {
 
 /// Shows states, reason, values and knowledge of the selected agent.
 pub fn show_brain(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains) {
-    let Some(agent) = selected_brain(model, scene, brains) else {
-        return drop(ui.weak("Select an agent."));
-    };
+    let Some(agent) = selected_brain(model, scene, brains) else { return drop(ui.weak("Select an agent.")) };
     let why = brains.explain(agent, scene.run.simulation().time_s());
     let because = &why.because;
     let by = match (&because.rule, &because.edge_to) {
@@ -127,9 +125,7 @@ pub fn show_brain(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &Ag
         if let Some(place) = &why.slot_of {
             row("slot", place.clone());
         }
-        for value in &why.values {
-            row(&value.name, format!("{:.2}", value.value));
-        }
+        why.values.iter().for_each(|value| row(&value.name, format!("{:.2}", value.value)));
         for known in &why.knows {
             let from = known.from.map_or_else(String::new, |from| format!(" by {from}"));
             row("knows", format!("{}, {}{from} at {:.1} s", known.event, known.how, known.time_s));

@@ -84,9 +84,7 @@ pub fn paint(ui: &Ui, lanes: &TimelineLanes, axis: &FrameAxis, scene: &TimelineI
     lane.feet(&lanes.feet);
     if let [first, ..] = lanes.tags.as_slice() {
         label(*first, "tags");
-        for tag in &track.tags {
-            lane.named_run(lanes.tags[tag.lane], tag);
-        }
+        track.tags.iter().for_each(|tag| lane.named_run(lanes.tags[tag.lane], tag));
     }
     label(lanes.usage, if track.played.is_some() { "played" } else { "left out" });
     lane.usage(lanes.usage);

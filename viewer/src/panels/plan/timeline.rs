@@ -170,9 +170,7 @@ impl TaskPlot<'_> {
 fn line(mesh: &mut Mesh, [a, b]: [Pos2; 2], half_width: f32, colour: Color32) {
     let across = (b - a).rot90().normalized() * half_width;
     let first = mesh.vertices.len() as u32;
-    for p in [a + across, a - across, b - across, b + across] {
-        mesh.colored_vertex(p, colour);
-    }
+    [a + across, a - across, b - across, b + across].into_iter().for_each(|p| mesh.colored_vertex(p, colour));
     mesh.add_triangle(first, first + 1, first + 2);
     mesh.add_triangle(first, first + 2, first + 3);
 }

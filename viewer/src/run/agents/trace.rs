@@ -79,9 +79,7 @@ impl SpreadLog {
 
     /// Removes what was learnt after a time (s).
     pub fn forget_after(&mut self, time_s: f64) {
-        for times in &mut self.0 {
-            times.truncate(times.partition_point(|t| *t <= time_s));
-        }
+        self.0.iter_mut().for_each(|times| times.truncate(times.partition_point(|t| *t <= time_s)));
     }
 
     /// Times at which agents learnt a message, ascending; includes recorded times after the one shown (s).

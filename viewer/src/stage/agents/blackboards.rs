@@ -83,12 +83,7 @@ pub(in crate::stage) fn colour_by_message(brains: &AgentBrains, agent: usize, ev
 }
 
 /// Draws lines from senders to receivers, and from the selected agent back to the origin of the message.
-pub(super) fn lay_out_spread(
-    shapes: &mut ShapeList,
-    simulation: &Simulation,
-    selected: Option<usize>,
-    brush: &Brush<'_>,
-) {
+pub fn lay_out_spread(shapes: &mut ShapeList, simulation: &Simulation, selected: Option<usize>, brush: &Brush<'_>) {
     let (Some(event), Some(first)) = (brush.options.message, first_agent(simulation)) else { return };
     let Some(brains) = simulation.brains() else { return };
     let place = |agent: usize| {

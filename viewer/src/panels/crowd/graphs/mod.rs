@@ -24,9 +24,7 @@ const LEVELS: [&str; 3] = ["social", "spatial", "primitive"];
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains) {
     let simulation = scene.run.simulation();
     let first = first_agent(simulation).unwrap_or(0);
-    let Some(agent) = selected_brain(model, scene, brains) else {
-        return drop(ui.weak("Select an agent."));
-    };
+    let Some(agent) = selected_brain(model, scene, brains) else { return drop(ui.weak("Select an agent.")) };
     let states = brains.states_of(agent);
     if states.iter().all(Option::is_none) {
         return drop(ui.weak("It is in no state: it follows its goal and rules."));

@@ -122,13 +122,7 @@ impl TableSort {
 /// Shows the titles.
 ///
 /// - returns the order that was asked for.
-pub(super) fn show_titles(
-    ui: &mut Ui,
-    table: &RowTable<'_>,
-    id: Id,
-    row: Rect,
-    places: &[ColumnPlace],
-) -> Option<TableSort> {
+pub fn show_titles(ui: &mut Ui, table: &RowTable<'_>, id: Id, row: Rect, places: &[ColumnPlace]) -> Option<TableSort> {
     let mut asked = None;
     let visuals = ui.visuals().clone();
     for place in places {
