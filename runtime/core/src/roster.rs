@@ -31,11 +31,8 @@ impl Clone for Roster {
 impl Roster {
     /// Allocates for `capacity` ids.
     pub fn with_capacity(capacity: usize) -> Self {
-        Self {
-            ids: Vec::with_capacity(capacity),
-            slots: vec![(0, FREE); capacity],
-            free: (0..capacity as u32).rev().collect(),
-        }
+        let slots = vec![(0, FREE); capacity];
+        Self { ids: Vec::with_capacity(capacity), slots, free: (0..capacity as u32).rev().collect() }
     }
 
     /// Ids, row by row.

@@ -85,10 +85,7 @@ impl BlendSpace {
         let frames = (self.timing.seconds_of(example, phase) - begin) * rows.rate_hz;
         let frames = frames.clamp(0.0, e.length as f32);
         let whole = (frames as u32).min(e.length - 1);
-        RowPosition {
-            row: e.first[usize::from(is_second)] + whole,
-            ratio: frames - whole as f32,
-            has_next: whole + 1 < e.length,
-        }
+        let row = e.first[usize::from(is_second)] + whole;
+        RowPosition { row, ratio: frames - whole as f32, has_next: whole + 1 < e.length }
     }
 }

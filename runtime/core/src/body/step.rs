@@ -71,19 +71,12 @@ impl BodyState {
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] for a displacement that is not finite (m).
-    pub fn push(
-        &mut self,
-        lane: usize,
-        config: &ReactionConfig,
-        who: Option<Id>,
-        joint: Joint,
-        displacement: Vec3,
-    ) -> Result<()> {
-        let largest = displacement.abs().max_element();
-        let good = displacement.is_finite() && largest < 1e3;
+    pub fn push(&mut self, lane: usize, cfg: &ReactionConfig, who: Option<Id>, joint: Joint, by: Vec3) -> Result<()> {
+        let largest = by.abs().max_element();
+        let good = by.is_finite() && largest < 1e3;
         check_value("displacement", who, largest, good, "finite and below 1e3 (m)")?;
-        if config.enabled {
-            push(&mut self.reaction, lane, config, joint, displacement);
+        if cfg.enabled {
+            push(&mut self.reaction, lane, cfg, joint, by);
         }
         Ok(())
     }
@@ -130,13 +123,8 @@ pub(crate) struct BodyTick<'a> {
 impl<'a> BodyTick<'a> {
     /// - `rows`: frames that layers may show.
     pub fn new(ground: &'a HeightField, reaction: &'a ReactionConfig, rows: &'a ClipRows, dt_s: f32) -> Self {
-        Self {
-            ground,
-            reaction,
-            base: DampedSpring::new(dt_s, BASE_HALF_LIFE_S),
-            reaction_step: ReactionStep::new(reaction, dt_s),
-            layers: LayerTick::new(rows, dt_s),
-        }
+        let (base, layers) = (DampedSpring::new(dt_s, BASE_HALF_LIFE_S), LayerTick::new(rows, dt_s));
+        Self { ground, reaction, base, reaction_step: ReactionStep::new(reaction, dt_s), layers }
     }
 }
 

@@ -71,13 +71,9 @@ impl CharactersConfig {
 
     /// Every setting within its limits.
     pub(super) fn check(&self) -> Result<()> {
-        check_value(
-            "half_life_s",
-            None,
-            self.half_life_s,
-            self.half_life_s > 1e-3 && self.half_life_s < 10.0,
-            "between 0.001 and 10",
-        )?;
+        let half_life_s = self.half_life_s;
+        let good = half_life_s > 1e-3 && half_life_s < 10.0;
+        check_value("half_life_s", None, half_life_s, good, "between 0.001 and 10")?;
         self.foot_lock.check()?;
         self.reaction.check()?;
         self.avoid.map_or(Ok(()), |avoid| avoid.check())?;

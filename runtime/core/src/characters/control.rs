@@ -216,15 +216,10 @@ impl PendingChoices {
         }
     }
 
-    fn standing_chooser<'a>(
-        &self,
-        i: usize,
-        blocks: &'a [MotionBlock],
-        tick: &CharactersTick<'a>,
-    ) -> StandingChooser<'a> {
+    fn standing_chooser<'a>(&self, i: usize, all: &'a [MotionBlock], tick: &CharactersTick<'a>) -> StandingChooser<'a> {
         let character = self.characters[i] as usize;
         let CharactersTick { motion_set, config, .. } = *tick;
-        let b = &blocks[character / LANES];
+        let b = &all[character / LANES];
         StandingChooser { b, lane: character % LANES, state: self.states[i], root: self.roots[i], motion_set, config }
     }
 }

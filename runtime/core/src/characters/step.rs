@@ -227,12 +227,8 @@ impl CharacterBlock<'_> {
         add_carriage(&mut motion, block, tick.config);
         let orders = orders.iter().map(|order| &order.layers);
         let mut layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &place.y.to_array());
-        layers.touch = tick.touch.map(|partners| BlockTouch {
-            partners,
-            touches,
-            contacts: block.contacts,
-            dt_s: tick.moves.then_some(tick.dt_s),
-        });
+        let (contacts, dt_s) = (block.contacts, tick.moves.then_some(tick.dt_s));
+        layers.touch = tick.touch.map(|partners| BlockTouch { partners, touches, contacts, dt_s });
         let BodyBlock { state, feet, .. } = body;
         let seen = state.seen;
         let (contacts, locks) = (&block.contacts, level == DetailLevel::Full && tick.config.foot_lock.enabled);

@@ -121,12 +121,8 @@ impl<'a, F: Lanes> TransitionKnot<'a, F> {
         let around = frames.map(|frame| motion_set.adjacent_frames(frame));
         let rows = |of: &dyn Fn(usize) -> u32| std::array::from_fn(|l| &motion_set.frames[of(l) as usize]);
         let span = |l: usize| (around[l][1] - around[l][0]).max(1) as f32;
-        Self {
-            at: rows(&|l| frames[l]),
-            before: rows(&|l| around[l][0]),
-            after: rows(&|l| around[l][1]),
-            rate: F::from_array(std::array::from_fn(|l| motion_set.rate_hz / span(l))),
-        }
+        let rate = F::from_array(std::array::from_fn(|l| motion_set.rate_hz / span(l)));
+        Self { at: rows(&|l| frames[l]), before: rows(&|l| around[l][0]), after: rows(&|l| around[l][1]), rate }
     }
 
     /// Rate at which a joint turns, the tangent of the curve through the rows. The hips turn with the planar root, too.

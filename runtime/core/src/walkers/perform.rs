@@ -129,11 +129,8 @@ impl PerformanceState {
     /// Progress of the performance; none where there is no performance.
     pub fn performance_progress(&self) -> Option<PerformanceProgress> {
         let is_on = !matches!(self.part, PerformancePart::Idle | PerformancePart::Fade);
-        is_on.then_some(PerformanceProgress {
-            activity: ActivityId(self.activity),
-            part: self.part,
-            seconds: self.seconds,
-        })
+        let (activity, part, seconds) = (ActivityId(self.activity), self.part, self.seconds);
+        is_on.then_some(PerformanceProgress { activity, part, seconds })
     }
 
     /// Frame row of the activity that plays; [`NO_ROW`] for none.

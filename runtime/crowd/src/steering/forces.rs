@@ -122,14 +122,9 @@ fn look_ahead<V: Space>(me: &SteeredAgent<V>, field: &ForceField, around: &Force
 pub fn desired_velocity<V: Space>(me: &SteeredAgent<V>, field: &ForceField, around: &ForceSurroundings<'_, V>) -> V {
     let (heading, mut speed) = look_ahead(me, field, around);
     let ahead = heading.dot(me.desired).max(0.0);
+    let (room_m, width) = (field.headway_m * ahead * ahead, around.steering.front_width);
     for other in around.seen {
-        speed = speed.min(following_speed(
-            heading,
-            field.headway_m * ahead * ahead,
-            field.headway_s,
-            around.steering.front_width,
-            other,
-        ));
+        speed = speed.min(following_speed(heading, room_m, field.headway_s, width, other));
     }
     heading * speed
 }

@@ -176,13 +176,8 @@ impl AgentBrains {
 
     fn known_event(&self, agent: usize, event: usize) -> Option<KnownEvent> {
         let learnt = self.learnt[agent * self.scenario.events.len() + event]?;
-        Some(KnownEvent {
-            event: self.scenario.names.events.0[event].clone(),
-            how: learnt.mode_name().into(),
-            from: learnt.source_agent(),
-            time_s: learnt.time_s,
-            at: learnt.at,
-        })
+        let (event, how) = (self.scenario.names.events.0[event].clone(), learnt.mode_name().into());
+        Some(KnownEvent { event, how, from: learnt.source_agent(), time_s: learnt.time_s, at: learnt.at })
     }
 
     /// Spread of every event.

@@ -91,12 +91,8 @@ impl TargetPractice {
         config.target.check()?;
         check_within("reach_m", config.reach_m, 0.0, 1.0, "between 0 and 1")?;
         let boxers = PolicyCharacters::with_capacity(bundle, capacity, config.characters)?;
-        let state = PracticeState {
-            targets: Vec::with_capacity(capacity),
-            positions: Vec::with_capacity(capacity),
-            tallies: Vec::with_capacity(capacity),
-            seconds: 0.0,
-        };
+        let (targets, positions) = (Vec::with_capacity(capacity), Vec::with_capacity(capacity));
+        let state = PracticeState { targets, positions, tallies: Vec::with_capacity(capacity), seconds: 0.0 };
         let events = Vec::with_capacity(if bundle.hits().is_empty() { 0 } else { capacity * MAX_BLOWS });
         Ok(Self { config, boxers, state, events })
     }

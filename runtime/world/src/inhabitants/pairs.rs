@@ -137,12 +137,8 @@ pub(super) fn pair_offers(graph: &WorldGraph) -> Vec<PairOffer> {
             let sides = [(instance, pair.link), (beyond, pair.partner_link)];
             let [Some(a), Some(b)] = sides.map(|(i, l)| graph.step_along(i, l)) else { continue };
             let start = |(i, l): (u32, u32)| WorldNode { instance: i, cell: graph.links(i)[l as usize].from };
-            let offer = PairOffer {
-                tag: graph.links(instance)[pair.link as usize].tag & !LinkRecord::FOR_TWO,
-                starts: sides.map(start),
-                ends: [a.to, b.to],
-                steps: [a, b],
-            };
+            let tag = graph.links(instance)[pair.link as usize].tag & !LinkRecord::FOR_TWO;
+            let offer = PairOffer { tag, starts: sides.map(start), ends: [a.to, b.to], steps: [a, b] };
             let can_stay = |n: &WorldNode| graph.is_enabled(*n) && graph.is_rest(*n) && graph.is_stop(*n);
             if offer.starts.iter().chain(&offer.ends).all(can_stay) && offer.starts.iter().all(|n| graph.is_entered(*n))
             {

@@ -21,11 +21,8 @@ pub(crate) struct ContactGraph {
 impl ContactGraph {
     /// No contacts among agents with numbers below `capacity`.
     pub fn new(capacity: usize) -> Self {
-        Self {
-            touched: vec![[NONE; MOST]; capacity],
-            group: (0..capacity as u32).collect(),
-            changed: Vec::with_capacity(capacity),
-        }
+        let changed = Vec::with_capacity(capacity);
+        Self { touched: vec![[NONE; MOST]; capacity], group: (0..capacity as u32).collect(), changed }
     }
 
     /// Memory that a copy did not bring along.

@@ -72,13 +72,8 @@ impl Default for Occupant {
 impl Occupancy {
     /// Nobody in any cell.
     pub fn new(num_cells: usize, capacity: usize) -> Self {
-        let mut empty = Self {
-            first: Vec::new(),
-            links: Vec::new(),
-            occupants: vec![Occupant::default(); capacity],
-            contacts: ContactGraph::new(capacity),
-            renewed: None,
-        };
+        let (occupants, contacts) = (vec![Occupant::default(); capacity], ContactGraph::new(capacity));
+        let mut empty = Self { first: Vec::new(), links: Vec::new(), occupants, contacts, renewed: None };
         empty.clear(num_cells);
         empty
     }
