@@ -49,11 +49,8 @@ pub fn run(args: &Args) -> CommandResult {
     let is_measured = !tables.graph().states.is_empty() || tables.blends().spaces.is_empty();
     let fault = || format!("{}: holds blend spaces and no motion graph, which alone is measured", args.file.display());
     ensure(is_measured, fault)?;
-    let config = BundleMeasureConfig {
-        characters: args.characters.clone(),
-        threads: args.threads.clone(),
-        seconds: args.seconds,
-    };
+    let (characters, threads) = (args.characters.clone(), args.threads.clone());
+    let config = BundleMeasureConfig { characters, threads, seconds: args.seconds };
     let levels = args.lod.then(|| measure::levels(&tables, &config)).transpose()?;
     let results = (!args.lod).then(|| measure::characters(&tables, &config)).transpose()?;
     output::report(&BundleBenchReport { results, levels }, args.json, print)

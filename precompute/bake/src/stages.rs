@@ -134,13 +134,8 @@ impl<'a> Stages<'a> {
     /// Cost of the build so far.
     fn spent(&self) -> StageCost {
         let (wall_s, traffic) = (self.begin.elapsed().as_secs_f64(), self.comm.traffic());
-        StageCost {
-            wall_s,
-            waited_s: traffic.waited_s,
-            ran_s: self.comm.cpu_s(),
-            bytes_moved: traffic.bytes_moved,
-            peak_bytes: memory::peak_bytes().unwrap_or(0),
-        }
+        let (ran_s, peak_bytes) = (self.comm.cpu_s(), memory::peak_bytes().unwrap_or(0));
+        StageCost { wall_s, waited_s: traffic.waited_s, ran_s, bytes_moved: traffic.bytes_moved, peak_bytes }
     }
 
     /// Cost of the stages that have ended.

@@ -25,13 +25,8 @@ impl FootShape {
         let rest = skeleton.rest_positions();
         let toe = skeleton.offsets[Joint::LeftToe.index()];
         let ball = f64::from(toe.z);
-        Self {
-            ankle_height: rest[Joint::LeftFoot.index()].y.into(),
-            ball_height: rest[Joint::LeftToe.index()].y.into(),
-            ball,
-            heel: ball / 3.0,
-            tip: skeleton.tips[1].z.into(),
-        }
+        let [ankle_height, ball_height] = [Joint::LeftFoot, Joint::LeftToe].map(|j| rest[j.index()].y.into());
+        Self { ankle_height, ball_height, ball, heel: ball / 3.0, tip: skeleton.tips[1].z.into() }
     }
 
     /// Pose of the foot with a given ball and directions of its parts; no part carries weight yet.

@@ -151,12 +151,8 @@ impl Circle {
         let bearing = |p: DVec2| (p - centre).x.atan2((p - centre).y);
         let turned: f64 = points.windows(2).map(|w| wrap_angle(bearing(w[1]) - bearing(w[0]))).sum();
         let side = if turned < 0.0 { -1.0 } else { 1.0 };
-        Arc {
-            curvature: side / (radius * size),
-            length: turned.abs() * radius * size,
-            heading: wrap_angle(bearing(points[0]) + side * std::f64::consts::FRAC_PI_2),
-            rms,
-        }
+        let heading = wrap_angle(bearing(points[0]) + side * std::f64::consts::FRAC_PI_2);
+        Arc { curvature: side / (radius * size), length: turned.abs() * radius * size, heading, rms }
     }
 
     fn straight(&self, points: &[DVec2], size: f64, rms: f64) -> Arc {

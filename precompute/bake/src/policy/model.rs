@@ -89,12 +89,8 @@ impl ActionModel {
             let first = (segment.start.0 - starts[clip]) as usize;
             let root = clips.clips[clip].planar(first);
             let place = |f: usize| root.to_local(clips.clips[clip].planar(first + f));
-            SegmentMotion {
-                end: segment.end.0,
-                num_frames: segment.num_frames,
-                displacement: segment.displacement,
-                path: (0..=segment.num_frames as usize).map(place).collect(),
-            }
+            let (end, path) = (segment.end.0, (0..=segment.num_frames as usize).map(place).collect());
+            SegmentMotion { end, num_frames: segment.num_frames, displacement: segment.displacement, path }
         });
         Ok(Self {
             rate_hz,

@@ -134,12 +134,8 @@ fn trunk(f: &BodyFigure, frame: &TrunkFrame, colour: Colour, out: &mut Vec<(Roun
     for shoulder in [at(Joint::LeftUpperArm), at(Joint::RightUpperArm)] {
         let inner = upper.lerp(neck, 0.55);
         add(RoundCone::limb(inner, shoulder, thickness(Joint::UpperChest, 0.68), thickness(Joint::LeftClavicle, 1.2)));
-        add(RoundCone::limb(
-            neck,
-            shoulder.lerp(inner, 0.12),
-            thickness(Joint::LeftClavicle, 1.0),
-            thickness(Joint::LeftClavicle, 0.85),
-        ));
+        let [near, far] = [1.0, 0.85].map(|share| thickness(Joint::LeftClavicle, share));
+        add(RoundCone::limb(neck, shoulder.lerp(inner, 0.12), near, far));
     }
 }
 

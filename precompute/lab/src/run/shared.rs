@@ -92,13 +92,8 @@ pub fn run_shared(
         progress.advance(1);
     }
     progress.end();
-    let mine = [
-        part.num_agents() as f64,
-        busy_s,
-        ran_s,
-        (before.bytes_moved - moved) as f64,
-        memory::peak_bytes().unwrap_or(0) as f64,
-    ];
+    let (num_bytes, peak_bytes) = (before.bytes_moved - moved, memory::peak_bytes().unwrap_or(0));
+    let mine = [part.num_agents() as f64, busy_s, ran_s, num_bytes as f64, peak_bytes as f64];
     let mut all: [Vec<f64>; 5] = Default::default();
     for (all, number) in all.iter_mut().zip(mine) {
         *all = comm.all_numbers(number).map_err(config_error)?;

@@ -303,13 +303,8 @@ impl<'a> AsfReader<'a> {
 
     /// Joints in chain order from the root, with the ends of chains.
     fn assemble(self, position: DVec3) -> Result<Asf, ImportError> {
-        let mut asf = Asf {
-            path: self.scan.path.to_owned(),
-            joints: Vec::new(),
-            metres_per_unit: INCH / self.length,
-            degrees: self.degrees,
-            details: Vec::new(),
-        };
+        let (path, metres_per_unit) = (self.scan.path.to_owned(), INCH / self.length);
+        let mut asf = Asf { path, joints: Vec::new(), metres_per_unit, degrees: self.degrees, details: Vec::new() };
         let mut placed = vec![false; self.segments.len()];
         let mut stack = vec![(0, None)];
         while let Some((s, parent)) = stack.pop() {

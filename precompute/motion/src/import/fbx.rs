@@ -103,11 +103,8 @@ fn nodes(scene: &SceneRoot) -> Vec<RigNode> {
 fn transform(t: &ufbx::Transform) -> Transform {
     let vector = |v: &ufbx::Vec3| DVec3::new(v.x, v.y, v.z);
     let r = &t.rotation;
-    Transform {
-        scale: vector(&t.scale),
-        rotation: DQuat::from_xyzw(r.x, r.y, r.z, r.w),
-        translation: vector(&t.translation),
-    }
+    let rotation = DQuat::from_xyzw(r.x, r.y, r.z, r.w);
+    Transform { scale: vector(&t.scale), rotation, translation: vector(&t.translation) }
 }
 
 /// An animation stack, which other programs call a take or an action.

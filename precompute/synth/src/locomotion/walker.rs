@@ -56,14 +56,9 @@ fn poses(act: &LocomotionAct, scene: &ActTimes, steps: &Footsteps, drift: &Drift
     let sway = act.manner.sway;
     pelvis.yaw.iter_mut().chain(&mut pelvis.list).for_each(|angle| *angle *= sway);
     let trunk = trunk::balance(&pelvis, &ahead, &input.mass, drift, dt);
-    let arms = arms::swing(&ArmInput {
-        apart: &pelvis.apart,
-        speed: &vec![act.drive.ahead.abs(); num_samples],
-        trunk: &trunk,
-        drift,
-        liveliness: [act.manner.arm_swing; 2],
-        dt,
-    });
+    let (speed, liveliness) = (vec![act.drive.ahead.abs(); num_samples], [act.manner.arm_swing; 2]);
+    let input_of_arms = ArmInput { apart: &pelvis.apart, speed: &speed, trunk: &trunk, drift, liveliness, dt };
+    let arms = arms::swing(&input_of_arms);
     // Equal flexion for a tired walker and a tired stander would look like sitting down; fast walking bends the knees
     // enough.
     let speed = act.drive.speed();

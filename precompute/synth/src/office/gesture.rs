@@ -217,11 +217,8 @@ impl<R: Rng> Talker<'_, R> {
             self.script.turn_head(from + 0.45, 0.4, yaw + glance, pitch, list);
         }
         let emphasis = if phrase == Phrase::Listen { -0.02 } else { 0.03 + 0.07 * heat };
-        let chest = Attitude {
-            yaw: facing.chest.yaw + self.vary(0.05 + 0.05 * heat),
-            pitch: facing.chest.pitch + emphasis,
-            list: facing.chest.list + self.vary(0.02),
-        };
+        let yaw = facing.chest.yaw + self.vary(0.05 + 0.05 * heat);
+        let chest = Attitude { yaw, pitch: facing.chest.pitch + emphasis, list: facing.chest.list + self.vary(0.02) };
         let shift = if seated { [0.0; 2] } else { [facing.shift[0] + self.vary(0.012), facing.shift[1]] };
         self.script.pose(from + 0.6, 0.55, KeyedPosture { chest, shift, ..facing });
     }

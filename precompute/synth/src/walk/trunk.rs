@@ -38,11 +38,8 @@ pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt
             pitch: 0.02 + 0.022 * speed[i] + surge[i] - 0.012 * drift.breath[i] + stoop,
             list: -0.45 * pelvis.list[i] + sideways[i],
         };
-        let head = Attitude {
-            yaw: gaze_heading[i] + drift.gaze[i],
-            pitch: 0.06 + drift.nod[i] + 0.25 * surge[i] + bob[i] + 0.75 * pelvis.climb[i].abs(),
-            list: 0.3 * sideways[i],
-        };
+        let pitch = 0.06 + drift.nod[i] + 0.25 * surge[i] + bob[i] + 0.75 * pelvis.climb[i].abs();
+        let head = Attitude { yaw: gaze_heading[i] + drift.gaze[i], pitch, list: 0.3 * sideways[i] };
         trunk_between(hips, chest, head)
     });
     out.collect()

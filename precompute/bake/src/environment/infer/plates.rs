@@ -34,12 +34,8 @@ pub struct InferredPlate {
 
 impl InferredPlate {
     fn new(touch: &InferredTouch) -> Self {
-        Self {
-            height: touch.point.y,
-            extent: BoundingBox { min: touch.extent.min.with_y(0.0), max: touch.extent.max.with_y(0.0) },
-            heights: vec![touch.point.y],
-            held_s: touch.lasts_s,
-        }
+        let extent = BoundingBox { min: touch.extent.min.with_y(0.0), max: touch.extent.max.with_y(0.0) };
+        Self { height: touch.point.y, extent, heights: vec![touch.point.y], held_s: touch.lasts_s }
     }
 
     /// Merges another plate into this one.

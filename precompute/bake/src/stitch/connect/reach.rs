@@ -63,14 +63,8 @@ struct NewNodes {
 impl<'j> ReachSearch<'j> {
     /// A search without nodes.
     pub fn new(graph: &'j JoinedGraph, direction: SearchDirection) -> Self {
-        Self {
-            graph,
-            direction,
-            found: ReachedNodes::empty(graph.num_words),
-            done: ReachedNodes::empty(graph.num_words),
-            open: VecDeque::new(),
-            is_open: vec![false; graph.parts.len()],
-        }
+        let [found, done] = [0; 2].map(|_| ReachedNodes::empty(graph.num_words));
+        Self { graph, direction, found, done, open: VecDeque::new(), is_open: vec![false; graph.parts.len()] }
     }
 
     /// Runs the search to its end.

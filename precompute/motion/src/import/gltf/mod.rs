@@ -101,11 +101,8 @@ pub(crate) fn local_transform(node: &GltfNode) -> Transform {
         return Transform { scale, rotation, translation };
     }
     let vector = |v: Option<[f32; 3]>, default| v.map_or(default, |v| DVec3::from_array(v.map(f64::from)));
-    Transform {
-        scale: vector(node.scale, DVec3::ONE),
-        rotation: node.rotation.map_or(DQuat::IDENTITY, |r| DQuat::from_array(r.map(f64::from))),
-        translation: vector(node.translation, DVec3::ZERO),
-    }
+    let rotation = node.rotation.map_or(DQuat::IDENTITY, |r| DQuat::from_array(r.map(f64::from)));
+    Transform { scale: vector(node.scale, DVec3::ONE), rotation, translation: vector(node.translation, DVec3::ZERO) }
 }
 
 /// The nodes, with the rotations of joints in which skins were bound to them.

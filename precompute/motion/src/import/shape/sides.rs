@@ -47,13 +47,8 @@ struct SideJoints {
 /// Finds the sides of a body.
 pub(super) fn decide_sides(tree: &SkeletonTree, body: &RecognisedBody) -> Result<Sides, NoPerson> {
     let two = |limb: &super::LimbPair, part: usize| [limb.joint(part, 0), limb.joint(part, 1)];
-    let joints = SideJoints {
-        thighs: two(&body.legs, 0),
-        shins: two(&body.legs, 1),
-        feet: two(&body.legs, 2),
-        arms: two(&body.arms, 0),
-        top: body.chest,
-    };
+    let [thighs, shins, feet] = [0, 1, 2].map(|part| two(&body.legs, part));
+    let joints = SideJoints { thighs, shins, feet, arms: two(&body.arms, 0), top: body.chest };
     let shown = side_evidence(tree, joints);
     let named = [body.legs.named_side(tree), body.arms.named_side(tree)];
     let first_leg = match (side_of_sign(shown.legs), named[0]) {
