@@ -139,18 +139,18 @@ struct KeyTracks {
 const PATHS: [&str; 3] = ["scale", "rotation", "translation"];
 
 impl KeyTracks {
-    fn new(given: &GltfAnimation, place: usize, num_nodes: usize, samplers: &mut Samplers<'_>) -> Result<Self, String> {
+    fn new(own: &GltfAnimation, place: usize, num_nodes: usize, samplers: &mut Samplers<'_>) -> Result<Self, String> {
         let mut by_node = BTreeMap::<usize, [Option<Keys>; 3]>::new();
-        for (i, channel) in given.channels.iter().enumerate() {
+        for (i, channel) in own.channels.iter().enumerate() {
             let path = PATHS.iter().position(|p| *p == channel.target.path);
             let (Some(path), Some(node)) = (path, channel.target.node) else { continue };
             ensure(node < num_nodes, || format!("channels[{i}]: there is no node {node}"))?;
             let at = channel.sampler;
-            let sampler = given.samplers.get(at).ok_or_else(|| format!("channels[{i}]: there is no sampler {at}"))?;
+            let sampler = own.samplers.get(at).ok_or_else(|| format!("channels[{i}]: there is no sampler {at}"))?;
             let keys = samplers.keys(sampler, PATHS[path] == "rotation").map_err(|e| format!("samplers[{at}]: {e}"))?;
             by_node.entry(node).or_default()[path] = Some(keys);
         }
-        let name = if given.name.is_empty() { format!("given {place}") } else { given.name.clone() };
+        let name = if own.name.is_empty() { format!("animation {place}") } else { own.name.clone() };
         let moved = by_node.keys().copied().collect();
         Ok(Self { name, by_node, moved })
     }
