@@ -151,9 +151,9 @@ pub fn face_partner(lean: KeyedPosture, partner: f64, heat: f64) -> KeyedPosture
 
 /// Brings both hands together before the belly at about `t`.
 pub fn clasp_hands(script: &mut MotionScript, t: f64) {
-    LateralSide::BOTH
-        .into_iter()
-        .for_each(|side| script.hand(side, t + 0.06 * side.sign(), 0.9, mirrored_for_side(side, CLASP)));
+    for side in LateralSide::BOTH {
+        script.hand(side, t + 0.06 * side.sign(), 0.9, mirrored_for_side(side, CLASP));
+    }
 }
 
 /// Raises the left wrist, looks at it and lets it down.
