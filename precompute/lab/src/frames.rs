@@ -24,7 +24,11 @@ pub fn runs(tables: &Bundle) -> Vec<Range<u32>> {
 }
 
 /// A value of each frame's class, in a bundle's frames; `usual` where a frame has none.
-pub fn of_classes<'a, T: Clone>(tables: &'a Bundle, usual: T, mut of: impl FnMut(&'a MotionClass) -> T) -> Vec<T> {
+pub(crate) fn of_classes<'a, T: Clone>(
+    tables: &'a Bundle,
+    usual: T,
+    mut of: impl FnMut(&'a MotionClass) -> T,
+) -> Vec<T> {
     let mut out = vec![usual; tables.frames().len()];
     for (record, meta) in tables.clips().iter().zip(&tables.meta().clips) {
         for span in &meta.classes {
