@@ -197,7 +197,9 @@ impl<'a> Naive<'a> {
         }
         let [most, per_m] = record.heights.map(f64::from);
         let most = (most * (x.hypot(z) * per_m - 1.0).clamp(0.0, 1.0)).atan();
-        x.atan2(z.max(x.abs())).clamp(-most, most)
+        // Nearly straight ahead is straight.
+        let aside = x / z.max(x.abs());
+        (aside - aside.clamp(-0.03, 0.03)).atan().clamp(-most, most)
     }
 
     /// Score of an action, given what a (state, cell) is worth.

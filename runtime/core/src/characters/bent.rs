@@ -1,8 +1,8 @@
 //! Bent paths: the heading of an action changes evenly over it, the linear path editing of Lee, Choi and Lee (2006),
 //! section 6.
 //!
-//! The path consists of short pieces, each turned by the change of heading in its middle, so that it does not depend on
-//! the time steps.
+//! The place at a frame, seen from the first one, is turned by half of the change of heading until then: an arc where a straight path is
+//! walked evenly. It depends on nothing but the frame, and its end is where policies expect it.
 
 use super::block::MotionBlock;
 use super::motion_set::MotionSet;
@@ -10,55 +10,43 @@ use crate::planar::Planar;
 use crate::stops::PIECE_FRAMES;
 use glam::Vec2;
 
-/// Piece of a bent path: its start and its turn.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BentPiece {
-    /// First frame of the piece, and the frame after its last (frames).
-    pub frames: [f32; 2],
-    /// Start as captured and as bent, relative to the segment's first frame (m).
-    captured: Vec2,
-    pub begin: Vec2,
-    /// End as bent (m).
-    pub end: Vec2,
-    /// (rad)
-    turn: f32,
-}
+/// Furthest that a bent path is beside the straight lines between its nodes (m).
+const BESIDE_M: f32 = 0.002;
 
-/// The pieces of a segment's path.
+/// A place as captured, seen from the first frame, bent until a frame (m).
 ///
 /// - `bend`: (rad/frame)
-pub(super) fn pieces(motion_set: &MotionSet, segment: u32, bend: f32) -> impl Iterator<Item = BentPiece> {
-    let mut end = Vec2::ZERO;
-    let parts = motion_set.stops.nodes_of(segment).windows(2).flat_map(|w| {
+fn bend_place(captured: Vec2, bend: f32, frame: f32) -> Vec2 {
+    Planar::new(0.0, 0.0, 0.5 * bend * frame).transform_point(captured)
+}
+
+/// Frames and places of a segment's bent path, relative to its first frame, which is left out (m).
+///
+/// - `bend`: (rad/frame)
+pub(super) fn nodes(motion_set: &MotionSet, segment: u32, bend: f32) -> impl Iterator<Item = (f32, Vec2)> {
+    motion_set.stops.nodes_of(segment).windows(2).flat_map(move |w| {
         let frames = w[1].frame - w[0].frame;
         let (from, to) = (Vec2::new(w[0].x, w[0].z), Vec2::new(w[1].x, w[1].z));
-        let num = frames.div_ceil(PIECE_FRAMES);
-        let (offset, step, first) = ((to - from) / num as f32, frames as f32 / num as f32, w[0].frame as f32);
-        (0..num).map(move |k| (first + step * k as f32, step, from + offset * k as f32, offset))
-    });
-    parts.map(move |(first, step, captured, offset)| {
-        let (begin, turn) = (end, bend * (first + 0.5 * step));
-        end += Planar::new(0.0, 0.0, turn).transform_point(offset);
-        BentPiece { frames: [first, first + step], captured, begin, end, turn }
+        // An eighth of the largest second derivative bounds the distance from a chord.
+        let turn = 0.5 * bend.abs() * frames as f32;
+        let beside = turn * (2.0 * from.distance(to) + turn * from.length().max(to.length())) / 8.0;
+        let num = ((beside / BESIDE_M).sqrt() as u32 + 1).min(frames.div_ceil(PIECE_FRAMES));
+        let step = 1.0 / num as f32;
+        (1..=num).map(move |k| {
+            let frame = w[0].frame as f32 + frames as f32 * step * k as f32;
+            (frame, bend_place(from.lerp(to, step * k as f32), bend, frame))
+        })
     })
 }
 
 /// Moves the clip of a lane so that the root is on its bent path.
 pub(super) fn place_on_path(b: &mut MotionBlock, lane: usize, motion_set: &MotionSet) {
     let frame = b.time[lane].clamp(0.0, b.length[lane] as f32);
-    let last = |p: &BentPiece| p.frames[1] >= frame;
-    let all = pieces(motion_set, b.segment[lane], b.bend[lane]);
-    let mut piece = None;
-    for p in all {
-        piece = Some(p);
-        if last(&p) {
-            break;
-        }
-    }
-    let Some(piece) = piece else { return };
-    let now = motion_set.planar_at(b.first[lane], frame);
-    let local = motion_set.planar_root(b.first[lane]).to_local(now);
-    let beside = Planar::new(0.0, 0.0, piece.turn).transform_point(Vec2::new(local.x, local.z) - piece.captured);
-    let bent = Planar::new(piece.begin.x + beside.x, piece.begin.y + beside.y, local.heading + b.bend[lane] * frame);
-    b.set_clip_to_world(lane, b.choice_root(lane).compose(bent).compose(now.inverse()));
+    let (first, begin) = (motion_set.planar_root(b.first[lane]), b.choice_root(lane));
+    let (now, turn) = (motion_set.planar_at(b.first[lane], frame), begin.heading - first.heading);
+    let [now, first] = [now, first].map(|p| Vec2::new(p.x, p.z));
+    let at = Planar { heading: turn + 0.5 * b.bend[lane] * frame, ..begin }.transform_point(now - first);
+    let turned = Planar::new(0.0, 0.0, turn + b.bend[lane] * frame);
+    let to = at - turned.transform_point(now);
+    b.set_clip_to_world(lane, Planar { x: to.x, z: to.y, ..turned });
 }

@@ -4,7 +4,7 @@
 
 use super::grid::{GridCoordinates, StencilLanes, TargetGrid};
 use super::reward::Reward;
-use super::table::{PolicyTable, SegmentRecord};
+use super::table::{PolicyTable, STRAIGHT, SegmentRecord};
 use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// The segments of eight lanes. Fields are loaded where they are used: together they exceed the registers.
@@ -62,7 +62,9 @@ pub(super) fn back_up<F: Lanes, const POLAR: bool>(
         let [most, per_m, ..] = motions.quarter(3);
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
         let most = most * (end_distance * per_m - one).min(one).max(zero);
-        let tangent = (to_x / to_z.max(to_x.abs()).max(F::splat(f32::MIN_POSITIVE))).min(most).max(-most);
+        let (aside, straight) = (to_x / to_z.max(to_x.abs()).max(F::splat(f32::MIN_POSITIVE)), F::splat(STRAIGHT));
+        let aside = aside - aside.min(straight).max(-straight);
+        let tangent = aside.min(most).max(-most);
         let half = tangent / (one + (one + tangent * tangent).sqrt());
         let cos = one / (one + half * half).sqrt();
         let half = [cos, half * cos];

@@ -98,7 +98,9 @@ impl SegmentRecord {
         let [x, z, distance] = self.target_after(target);
         let most = most * greatest(least(distance * per_m - 1.0, 1.0), 0.0);
         let ahead = greatest(greatest(z, x.abs()), f32::MIN_POSITIVE);
-        let tangent = greatest(least(x / ahead, most), -most);
+        let aside = x / ahead;
+        let aside = aside - greatest(least(aside, STRAIGHT), -STRAIGHT);
+        let tangent = greatest(least(aside, most), -most);
         tangent / (1.0 + (1.0 + tangent * tangent).sqrt())
     }
 }
@@ -444,6 +446,9 @@ fn check_paths(paths: &[PathRecord]) -> Result<()> {
     Ok(())
 }
 
+/// Tangent of the angle up to which a target lies straight ahead: for less, nobody bends a path.
+pub(super) const STRAIGHT: f32 = 0.03;
+
 /// Tangent of the largest turn by which an action may be bent.
 pub const MAX_BEND: f32 = 1.0;
 
@@ -478,7 +483,8 @@ mod tests {
     #[test]
     fn bending_turns_towards_the_target_and_keeps_its_limit() {
         let bend = |x: f32, z: f32| 2.0 * ahead().half_bend(Vec3::new(x, 0.0, z)).atan();
-        assert!((bend(0.1, 5.0) - 0.1f32.atan2(4.0)).abs() < 1e-6);
+        assert!((bend(0.5, 5.0) - (0.5f32 / 4.0 - STRAIGHT).atan()).abs() < 1e-6);
+        assert_eq!(bend(0.1, 5.0), 0.0, "nearly straight ahead");
         for (x, z, most) in [(5.0, 1.0, 0.2), (-5.0, 1.0, -0.2), (1.0, -9.0, 0.2), (0.0, 5.0, 0.0)] {
             assert!((bend(x, z) - most).abs() < 1e-6, "{x} {z}");
         }

@@ -169,9 +169,9 @@ impl<'a> ReservedPathBuilder<'a> {
             _ if plan.bend != 0.0 => {
                 self.add_node(0.0, Vec2::ZERO);
                 let mut at = Vec2::ZERO;
-                for piece in bent::pieces(motion_set, plan.segment, plan.bend) {
-                    at = piece.end;
-                    self.add_node(piece.frames[1], at);
+                for (frame, place) in bent::nodes(motion_set, plan.segment, plan.bend) {
+                    at = place;
+                    self.add_node(frame, at);
                 }
                 end = Planar::new(at.x, at.y, end.heading + plan.bend * length);
             }
