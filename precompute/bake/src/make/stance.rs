@@ -12,6 +12,7 @@ use throng_core::format::{ClassSpan, Gait, MotionClass};
 use throng_core::planar::twist_about_y;
 use throng_core::skeleton::ARMS;
 use throng_core::{Joint, NUM_JOINTS, Planar, Skeleton};
+use throng_geometry::distance_to_segment;
 use throng_motion::retarget::LEGS;
 use throng_motion::{Clip, FrameRange};
 
@@ -33,6 +34,9 @@ const OTHER_STANCE: f32 = 0.1;
 const BENT: f32 = 0.3;
 /// Sine and cosine of the angle of hanging arms off straight down.
 const HANGS: [f32; 2] = [0.28, 0.96];
+/// Distance from the trunk's axis up to which a hand lies on the body, and bend of the elbow of an arm that hangs (m, rad).
+const AT_BODY_M: f32 = 0.3;
+const HANGING_ELBOW: f32 = 0.4;
 /// Least time of a made stance (s).
 const HELD_S: f32 = 6.0;
 
@@ -188,9 +192,22 @@ impl RestStance {
     }
 }
 
-/// Turns arms that are held out at their shoulders, so that they hang.
+/// Straightens elbows whose hands are held before the body, and turns arms that are held out at their shoulders, so that they hang.
+/// Hands on hips and folded ones stay.
 fn hang_arms(rotations: &mut [Quat; NUM_JOINTS], skeleton: &Skeleton) {
-    let joints = Clip::new("stand", 1.0, vec![Vec3::Y], rotations.to_vec()).joint_transforms(skeleton, 0);
+    let joints_of = |rotations: &[Quat; NUM_JOINTS]| {
+        Clip::new("stand", 1.0, vec![Vec3::Y], rotations.to_vec()).joint_transforms(skeleton, 0)
+    };
+    let at = joints_of(rotations).map(|(at, _)| at);
+    for [_, elbow, wrist] in ARMS.map(|arm| arm.map(Joint::index)) {
+        let [hips, neck] = [Joint::Hips, Joint::Neck].map(|j| at[j.index()]);
+        let away_m = distance_to_segment(at[wrist], [hips, neck]);
+        let bend = rotations[elbow].angle_between(Quat::IDENTITY);
+        if away_m > AT_BODY_M && bend > HANGING_ELBOW {
+            rotations[elbow] = maths::slerp_f32(Quat::IDENTITY, rotations[elbow], HANGING_ELBOW / bend);
+        }
+    }
+    let joints = joints_of(rotations);
     let at = joints.map(|(at, _)| at);
     for arm in ARMS.into_iter().filter(|arm| is_held_out(&at, *arm)) {
         let [shoulder, _, wrist] = arm.map(Joint::index);

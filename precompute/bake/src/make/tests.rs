@@ -181,30 +181,35 @@ fn stands_over_feet_that_glide_are_held_over_feet_that_stay() {
 }
 
 #[test]
-fn arms_that_a_gait_holds_out_hang_where_it_stands_unless_they_carry_or_are_bent() {
+fn arms_that_a_gait_holds_out_hang_where_it_stands_unless_they_carry_or_lie_on_the_body() {
     let set = library(&["walk_neutral_v110_g00"]);
-    let raised = |degrees: f32, bent: f32, carrying: bool| {
+    let raised_about = |axis: Vec3, degrees: f32, bent: f32, carrying: bool| {
         let mut clip = set.clips[0].clone();
         for f in 0..clip.num_frames() {
             for ([arm, elbow, _], side) in ARMS.map(|arm| arm.map(Joint::index)).into_iter().zip([1.0, -1.0]) {
                 let at = f * NUM_JOINTS;
                 clip.rotations[at + arm] = glam::Quat::from_rotation_z(side * (degrees - 90.0).to_radians());
-                clip.rotations[at + elbow] = glam::Quat::from_rotation_y(-side * bent.to_radians());
+                clip.rotations[at + elbow] = glam::Quat::from_axis_angle(axis, -side * bent.to_radians());
             }
         }
         let mut gait = GaitCycle::find(&clip, &set.skeleton).remove(0);
         gait.class.carrying = carrying;
         let stance = RestStance::of_gait(&gait, &set.skeleton).unwrap().clip;
         let at = stance.joint_positions(&set.skeleton, 0);
-        let off = |[shoulder, _, wrist]: [Joint; 3]| at[wrist.index()] - at[shoulder.index()];
-        let degrees = ARMS.map(|arm| off(arm).angle_between(Vec3::NEG_Y).to_degrees());
+        let down = |[from, to]: [Joint; 2]| (at[to.index()] - at[from.index()]).angle_between(Vec3::NEG_Y).to_degrees();
+        let degrees = ARMS.map(|[shoulder, elbow, wrist]| down([shoulder, wrist]).max(down([elbow, wrist])));
         (degrees[0].max(degrees[1]), classify(&stance, &set.skeleton, &NameHints::default())[0].class.neutral)
     };
+    let raised = |degrees, bent, carrying| raised_about(Vec3::Y, degrees, bent, carrying);
     let (hangs, is_neutral) = raised(85.0, 10.0, false);
     assert!(hangs < 25.0 && is_neutral, "arms hang at {hangs} degrees");
     assert!(raised(12.0, 10.0, false).0 < 16.0, "hanging arms are as they were");
-    assert!(raised(60.0, 100.0, false).0 > 50.0, "bent arms are as they were: {}", raised(60.0, 100.0, false).0);
-    assert!(raised(60.0, 10.0, true).0 > 50.0, "arms that carry are as they were");
+    // Elbows of a jog: forearms are level, hands in the air before the body.
+    let (jogs, is_neutral) = raised(15.0, 90.0, false);
+    assert!(jogs < 45.0 && is_neutral, "forearms hang at {jogs} degrees");
+    let on_hips = raised_about(Vec3::Z, 45.0, 100.0, false).0;
+    assert!(on_hips > 50.0, "hands on hips are as they were: {on_hips}");
+    assert!(raised(60.0, 10.0, true).0 > 50.0 && raised(15.0, 90.0, true).0 > 80.0, "arms that carry are as they were");
 }
 
 #[test]
