@@ -217,3 +217,82 @@ fn gestures_that_are_none_and_points_at_nothing_are_refused() {
     let e = refused("gesture = \"point\", at = \"stand\"", "gesture = \"point\"");
     assert!(e.contains("expected `at`"), "{e}");
 }
+
+#[test]
+fn who_greets_or_shakes_hands_raises_a_hand_and_blended_people_stand_with_straight_legs() {
+    let scene = |do_what: &str| {
+        format!(
+            r#"
+bundle = "people.throng"
+[agents]
+meeting_m = 2.5
+[[groups]]
+motion = "blend"
+spaces = ["ahead"]
+name = "north"
+count = 5
+radius_m = [0.2, 0.22]
+place = {{ block = {{ from = [-15.0, -4.0], to = [15.0, -3.8] }} }}
+speed_mps = [1.1, 1.3]
+goal = {{ shift = {{ by = [0.0, 8.0] }} }}
+[[groups]]
+motion = "blend"
+spaces = ["ahead"]
+name = "south"
+count = 5
+radius_m = [0.2, 0.22]
+place = {{ block = {{ from = [-15.0, 3.8], to = [15.0, 4.0] }} }}
+speed_mps = [1.1, 1.3]
+goal = {{ shift = {{ by = [0.0, -8.0] }} }}
+[[rules]]
+on = "meets"
+when = "me.group != other.group and not other.busy"
+both = true
+pause_s = 100
+do = [{do_what}]
+"#
+        )
+    };
+    for (do_what, raised_m, apart_m) in
+        [("{ greet = \"other\" }", 1.2, 0.0), ("{ shake_hands = \"other\" }", 0.9, 1.05)]
+    {
+        let mut sim = simulation(&scene(do_what));
+        let (mut highest, mut knees) = (vec![0.0f32; 10], Vec::new());
+        let mut nearest = vec![f32::INFINITY; 10];
+        while sim.time_s() < 20.0 {
+            sim.step(1.0 / 30.0).unwrap();
+            let joints: Vec<_> = (0..10).map(|who| sim.joint_positions(who).expect("a body")).collect();
+            for who in 0..10 {
+                let busy = sim.brains().unwrap().explain(who, sim.time_s()).action;
+                if busy == "greet" || busy == "shake_hands" {
+                    let hand = |side: Joint| joints[who][side.index()].y;
+                    highest[who] = highest[who].max(hand(Joint::RightHand).max(hand(Joint::LeftHand)));
+                    let hips = |who: usize| joints[who][0];
+                    let others = (0..10).filter(|other| *other != who).map(|other| hips(other).distance(hips(who)));
+                    nearest[who] = others.fold(nearest[who], f32::min);
+                }
+                if sim.time_s() > 19.0 {
+                    let at = |j: Joint| joints[who][j.index()];
+                    let bend = |[hip, knee, foot]: [Joint; 3]| (at(hip) - at(knee)).angle_between(at(foot) - at(knee));
+                    let legs = [
+                        [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot],
+                        [Joint::RightThigh, Joint::RightShin, Joint::RightFoot],
+                    ];
+                    knees.push(PI - bend(legs[0]).max(bend(legs[1])));
+                }
+            }
+        }
+        let raised = highest.iter().filter(|&&y| y > raised_m).count();
+        assert!(raised >= 9, "{do_what}: hands of {raised} of 10 are raised: {highest:?}");
+        knees.sort_by(f32::total_cmp);
+        assert!(
+            knees[knees.len() / 2] < 0.35,
+            "the straighter knee of who stands is bent by {} rad",
+            knees[knees.len() / 2]
+        );
+        if apart_m > 0.0 {
+            nearest.sort_by(f32::total_cmp);
+            assert!(nearest[2] > 0.8 * apart_m && nearest[5] < 1.3 * apart_m, "they stand apart by {nearest:?}");
+        }
+    }
+}

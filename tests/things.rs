@@ -18,6 +18,8 @@ resample = { mirror = false }
 annotate.ends.still = false
 graph.enabled = false
 [activities]
+greet = {}
+handshake = {}
 take = {}
 put = {}
 [blend.ahead]

@@ -288,7 +288,7 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
     #[inline(always)]
     fn foot_motion(&self, side: usize, place: &PlacementLanes<F>, model: &ModelPose<F>) -> FootMotion<F> {
         let (body, t, zero, one) = (self.body, self.postures, F::splat(0.0), F::splat(1.0));
-        let [_, _, foot, toe] = LEGS[side].map(|j| j.index());
+        let [thigh, _, foot, toe] = LEGS[side].map(|j| j.index());
         let importance = F::load(&self.importance[side]);
         let by_angles = model.positions[foot] - V::new(zero, place.y, zero);
         let scaled = (t.hips + t.ankles[side]) * F::load(&body.scale) + load(&body.legs[side].ankle);
@@ -299,7 +299,8 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
             sole: SolePose { ankle, foot: model.rotations[foot], toe: model.rotations[toe] },
             contacts: [F::select_lt(threshold, t.contacts[side], one, zero); 2],
             importance,
-            leg: zero,
+            // As straight as the blended angles have it.
+            leg: (model.positions[foot] - model.positions[thigh]).length(),
         }
     }
 }

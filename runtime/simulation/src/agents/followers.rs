@@ -31,7 +31,7 @@ pub(super) struct Followers {
     /// Activities of the bundle for each troop and each motion tag of the scenario.
     activities: Vec<Vec<Vec<ActivityId>>>,
     /// Last activity ordered of each body (count).
-    ordered: Vec<BodyActivity>,
+    pub ordered: Vec<BodyActivity>,
     /// Troops; agents take them in turn, by their numbers in the crowd.
     troops: Vec<Troop>,
 }
@@ -112,7 +112,9 @@ impl Followers {
         let speed_mps = outside.ids[agent].and_then(|id| outside.crowd.smooth_velocity(id)).map_or(0.0, |v| v.length());
         let held = faces.and_then(|_| troop.held_position(row, at.xz(), speed_mps));
         troop.order_stand(row, shown.stands.map(|at| at.xz()).or(held));
-        let is_new = std::mem::replace(&mut self.ordered[agent - self.agents.start], shown) != shown;
+        let ordered = &mut self.ordered[agent - self.agents.start];
+        let before = std::mem::replace(ordered, shown);
+        let is_new = before != shown;
         let Some(motion) = shown.motion else { return if is_new { troop.order_activity(row, None) } else { Ok(()) } };
         let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
         if let Some(activity) = shown.once {
@@ -121,8 +123,16 @@ impl Followers {
             return if begins { troop.order_activity(row, Some(Performance { activity, heading })) } else { Ok(()) };
         }
         let all = &self.activities[t][usize::from(motion)];
-        if all.is_empty() || !is_new && (troop.walkers.performing(row).is_some() || troop.is_played_once(all[0])) {
+        let performing = troop.walkers.performing(row);
+        if all.is_empty() || !is_new && (performing.is_some() || troop.is_played_once(all[0])) {
             return Ok(());
+        }
+        if troop.is_played_once(all[0]) {
+            if performing.is_some_and(|p| all.contains(&p.activity)) {
+                return Ok(());
+            }
+            // Who still walks lets it go: it is ordered again until it has begun.
+            *ordered = before;
         }
         // The choice differs between agents and changes with time.
         let turn = agent + (outside.crowd.time_s() * 0.37) as usize;
@@ -138,8 +148,9 @@ impl Followers {
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; a part may have been loaded then.
-    pub fn load(&mut self, troops: &[SavedTroop], ids: &[Option<Id>], shown: &[BodyActivity]) -> Result<()> {
+    pub fn load(&mut self, troops: &[SavedTroop], ids: &[Option<Id>], ordered: &[BodyActivity]) -> Result<()> {
         check_snapshot(troops.len() == self.troops.len(), "bodies", "it has other blend spaces")?;
+        check_snapshot(ordered.len() == self.ordered.len(), "bodies", "it has other agents")?;
         let num = self.troops.len();
         for (t, (own, saved)) in self.troops.iter_mut().zip(troops).enumerate() {
             let mine = self.agents.clone().filter(|m| m % num == t);
@@ -147,7 +158,7 @@ impl Followers {
             own.agents.extend(mine.filter_map(|m| ids[m]));
             own.load(saved)?;
         }
-        self.ordered.copy_from_slice(&shown[self.agents.clone()]);
+        self.ordered.copy_from_slice(ordered);
         Ok(())
     }
 

@@ -30,6 +30,8 @@ struct SavedAgents<V> {
     brains: Option<Bytes>,
     /// State of the troops of each group with bodies.
     followers: Vec<Vec<SavedTroop>>,
+    /// What the bodies of each of these groups were ordered last.
+    ordered: Vec<Vec<BodyActivity>>,
 }
 
 impl<V: Space> SceneAgents<V> {
@@ -50,6 +52,7 @@ impl<V: Space> SceneAgents<V> {
             arrivals: outside.layout.arrivals.clone(),
             brains: self.brains.as_ref().map(|brains| saved_bytes(|out| brains.save(out))),
             followers: self.followers.iter().map(|f| f.to_saved()).collect(),
+            ordered: self.followers.iter().map(|f| f.ordered.clone()).collect(),
         };
         KIND.write(&saved, out);
     }
@@ -73,8 +76,8 @@ impl<V: Space> SceneAgents<V> {
         let has_entered = |m: usize| self.brains.as_ref().is_none_or(|brains| brains.has_entered(m));
         let is_same = saved.ids.iter().enumerate().all(|(m, id)| id.is_some() == has_entered(m));
         check_snapshot(is_same, KIND.what, "somebody is there who has not entered")?;
-        for (own, troops) in self.followers.iter_mut().zip(&saved.followers) {
-            own.load(troops, &saved.ids, &saved.shown)?;
+        for ((own, troops), ordered) in self.followers.iter_mut().zip(&saved.followers).zip(&saved.ordered) {
+            own.load(troops, &saved.ids, ordered)?;
         }
         (outside.ids, outside.agent_of) = (saved.ids, saved.agent_of);
         outside.agents_reported.clone_from(&outside.agent_of);
@@ -94,7 +97,12 @@ impl<V: Space> SceneAgents<V> {
             [saved.ids.len(), saved.sent.len(), saved.ordered_happenings.len(), saved.shown.len(), saved.paths.len()];
         let more = [saved.arrivals.len(), saved.agent_of.len(), saved.gestures.len()];
         let has_brains = saved.brains.is_some() == self.brains.is_some();
-        if lengths != [n; 5] || more != [n; 3] || saved.followers.len() != self.followers.len() || !has_brains {
+        if lengths != [n; 5]
+            || more != [n; 3]
+            || saved.followers.len() != self.followers.len()
+            || saved.ordered.len() != self.followers.len()
+            || !has_brains
+        {
             return Err("it has other agents");
         }
         let happenings = self.stage.layout.scene.happenings.len();
@@ -105,7 +113,7 @@ impl<V: Space> SceneAgents<V> {
         let is_path = |path: &Vec<V>| !path.is_empty() && path.iter().all(|at| at.is_finite());
         let has_room = saved.sent.iter().all(|&sent| sent < u32::MAX / 128);
         let num_motions = self.brains.as_ref().map_or(0, AgentBrains::num_motions);
-        let is_seen = saved.shown.iter().all(|s| {
+        let is_seen = saved.shown.iter().chain(saved.ordered.iter().flatten()).all(|s| {
             s.motion.is_none_or(|motion| usize::from(motion) < num_motions)
                 && s.other.is_none_or(|other| (other as usize) < n)
                 && [s.faces, s.stands].iter().flatten().all(is_near)

@@ -448,12 +448,17 @@ const LEFT_BEHIND: f32 = 1.3;
 /// Distance of two agents that shake hands (m).
 const HANDS_M: f32 = 1.05;
 
-/// Command to walk to within reach of a target, and to stay there as [`face_target`] does.
+/// Distance from where it is to stand at which an agent that shakes hands has arrived (m).
+const BEFORE_M: f32 = 0.15;
+
+/// Command to walk to within reach of a target that comes as far, and to stay there as [`face_target`] does.
 fn walk_within_reach(sight: &PrimitiveInput, said: &ActionArguments, stay_s: f64) -> ActionCommand {
     let stays = face_target(said, stay_s);
     let far = said.targets[0].filter(|at| at.distance(sight.position) > 1.1 * HANDS_M);
     far.map_or(stays, |at| {
-        let walk = WalkCommand::To { at, arrival_m: HANDS_M };
+        let to = at - sight.position;
+        let at = sight.position + to * (0.5 * (1.0 - HANDS_M / to.length()));
+        let walk = WalkCommand::To { at, arrival_m: BEFORE_M };
         ActionCommand { walk, again_s: 0.2, most_s: stays.stay_s + 4.0, ..stays }
     })
 }

@@ -3,7 +3,7 @@
 use super::agent_brain::{ActionPhase, EventContext, Occasion};
 use super::agent_brains::{AgentBrains, Stimulus};
 use super::stage::ScenarioStage;
-use super::tables::{EdgeTable, trigger};
+use super::tables::{EdgeTable, NONE, trigger};
 use super::turns::TurnKind;
 use glam::Vec3;
 use throng_base::Result;
@@ -71,7 +71,7 @@ impl AgentBrains {
         Ok(true)
     }
 
-    /// Lets all companions in the state that an agent has left take the same edge.
+    /// Lets all companions in the state that an agent has left take the same edge; who has what another one found taken stays.
     pub(super) fn lead_party(
         &mut self,
         stage: &mut impl ScenarioStage,
@@ -84,8 +84,10 @@ impl AgentBrains {
         let to = self.scenario.edges[reason.edge as usize].to;
         let level = usize::from(self.scenario.states[usize::from(left)].level);
         for other in stage.companions(agent) {
+            let has_own = self.brains[other as usize].slot != NONE || self.keepers.contains(&other);
             let brain = &mut self.brains[other as usize];
-            if other == agent || !brain.is_there || brain.states[level] != left {
+            let is_left_there = has_own && stimulus.trigger == trigger::FULL;
+            if other == agent || !brain.is_there || brain.states[level] != left || is_left_there {
                 continue;
             }
             brain.reason = reason;

@@ -58,7 +58,9 @@ impl ScenarioCompiler<'_> {
             return compile_fault(format!("places[{place}].queue"), "expected either `slots` or `queue`, found both");
         }
         let corners: Vec<Vec3> = queue.points.iter().map(|p| scene_point(p)).collect();
-        let mut facing = middle;
+        // The first one faces the place, and not those behind it.
+        let ahead = corners[0] - corners[1];
+        let mut facing = if (middle - corners[0]).dot(ahead) > 0.0 { middle } else { corners[0] + ahead };
         let mut left = 0.0;
         for leg in corners.windows(2) {
             let length = leg[0].distance(leg[1]);

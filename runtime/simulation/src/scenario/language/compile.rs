@@ -391,7 +391,7 @@ impl ExpressionCompiler<'_> {
                 ExpressionFault::new(at, "there is no `other`: only what is met, told, conveyed or read has one")
             }
             SpotName::Here if !self.names.has_place => {
-                ExpressionFault::new(at, "there is no `place`: only `enters`, `leaves`, `freed` and `arrives` have one")
+                ExpressionFault::new(at, "there is no `place`: only `enters`, `leaves` and `arrives` have one")
             }
             _ => Ok(()),
         }

@@ -1,5 +1,6 @@
 //! Courses, sources, parties and followers in runs of small scenes.
 
+use super::{brains, scene};
 use crate::scene::Scene;
 use crate::{ExpectationWatch, Simulation};
 use std::path::Path;
@@ -144,4 +145,43 @@ fn a_family_decides_once_and_splits_only_where_told() {
         apart(&FAMILIES.replace(" }, {", ", alone = true }, {").replace("\"rest\" }]", "\"rest\", alone = true }]"))
             > 100
     );
+}
+
+/// A couple at a table with two glasses, who look for the second one where the first is taken.
+const COUPLE: &str = "seconds = 40.0\n[[groups]]\nname = \"couple\"\nmotion = \"none\"\ncount = 2\ncompanions = [2, 2]\nradius_m = [0.2, 0.22]\n\
+    place = { block = { from = [-1.0, 0.0], to = [1.0, 0.6] } }\ngraph = \"g\"\n[[environment.obstacles]]\n\
+    polygon = { corners = [[-1.5, 4.0], [1.5, 4.0], [1.5, 4.5], [-1.5, 4.5]] }\nheight_m = 0.85\n\
+    [[things]]\nname = \"glass 1\"\nat = [-0.6, 0.9, 4.07]\n[[things]]\nname = \"glass 2\"\nat = [0.6, 0.9, 4.07]\n\
+    [graphs.g]\nlevel = \"social\"\nstart = \"choose\"\nedges = [{ from = \"choose\", to = \"first\", when = \"not taken('glass 1')\" }, \
+    { from = \"choose\", to = \"second\", when = \"taken('glass 1') and not taken('glass 2')\" }, \
+    { from = \"first\", to = \"choose\", on = \"full\" }, { from = \"second\", to = \"choose\", on = \"full\" }, \
+    { from = \"first\", to = \"drink\" }, { from = \"second\", to = \"drink\" }]\n[graphs.g.states]\n\
+    choose = { do = [{ stay = 0.5 }] }\nfirst = { do = [{ take = \"glass 1\" }] }\nsecond = { do = [{ take = \"glass 2\" }] }\n\
+    drink = { do = [{ stay = 1000 }] }\n";
+
+#[test]
+fn who_has_what_another_one_found_taken_keeps_it() {
+    let scene = Scene::parse(COUPLE, Path::new("a.toml")).and_then(|s| s.open()).unwrap_or_else(|e| panic!("{e}"));
+    let mut sim = Simulation::new(&scene).unwrap();
+    while sim.time_s() < 40.0 {
+        sim.step(1.0 / 30.0).unwrap();
+    }
+    assert_eq!(sim.handling_counts().taken, 2);
+}
+
+#[test]
+fn the_first_in_line_faces_on_and_not_those_behind() {
+    let facing = |at: &str| {
+        let line = format!(
+            "[[places]]\nname = \"line\"\nat = {at}\nqueue = {{ points = [[0.0, 0.0], [0.0, 5.0]], spacing_m = 1.0 }}\n\
+             [[rules]]\non = \"starts\"\ndo = [{{ stay = 1 }}]\n"
+        );
+        let slots = &brains(&scene(1, &line)).scenario.slots;
+        [slots[0].facing, slots[1].facing].map(|at| (at.x, at.z))
+    };
+    assert_eq!(facing("[1.0, -3.0]"), [(1.0, -3.0), (0.0, 0.0)], "what the line leads to");
+    for behind in ["[0.0, 0.0]", "[0.0, 2.5]"] {
+        let [first, second] = facing(behind);
+        assert!(first.1 < -0.5 && second == (0.0, 0.0), "{behind}: {first:?} {second:?}");
+    }
 }
