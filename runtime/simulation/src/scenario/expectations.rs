@@ -79,8 +79,9 @@ struct AgentMeter {
     /// Number of measurements, and of those in which a predicate held.
     seen: u32,
     held: u32,
-    /// Number of predicates that it has met.
+    /// Number of predicates that it has met, and those that have not held at some moment, as bits.
     passed: usize,
+    unmet: u64,
     /// Begin of a spell, or of the time to pass; infinite for none (s).
     since: f64,
     /// Other agent of a mutual action, and whether it was one.
@@ -97,6 +98,7 @@ const UNSEEN: AgentMeter = AgentMeter {
     seen: 0,
     held: 0,
     passed: 0,
+    unmet: 0,
     since: f64::INFINITY,
     other: NONE,
     is_mutual: false,
@@ -221,8 +223,16 @@ impl ExpectationMeter {
                         }
                         own.passed += 1;
                     }
-                    let skipped = table.programs.iter().skip(own.passed.saturating_add(1));
-                    if own.passed < table.programs.len() && skipped.into_iter().any(|p| view.holds(a, *p)) {
+                    let skipped = (0u32..).zip(&table.programs).skip(own.passed.saturating_add(1));
+                    let (mut unmet, mut is_early) = (own.unmet, false);
+                    for (n, program) in skipped {
+                        // What holds from the beginning has not been met early: somebody comes in, and goes out again.
+                        let holds = view.holds(a, *program);
+                        is_early |= holds && unmet.checked_shr(n).is_some_and(|bits| bits & 1 == 1);
+                        unmet |= if holds { 0 } else { 1u64.checked_shl(n).unwrap_or(0) };
+                    }
+                    own.unmet = unmet;
+                    if own.passed < table.programs.len() && is_early {
                         own.passed = OUT_OF_ORDER;
                         self.add(view, config, a, f64::INFINITY);
                     } else if own.passed != before && own.passed == table.programs.len() {

@@ -56,6 +56,8 @@ fn checkpoints_are_passed_by_all_in_order_and_in_time() {
     breaks(WALKERS, &WALKERS.replace("goal =", "speed_mps = [2.5, 2.6]\ngoal ="), &times);
     let early = format!("{that}\nbetween_s = [0.0, 12.0]\nleast = 0.1");
     breaks(WALKERS, &WALKERS.replace("goal =", "speed_mps = [0.4, 0.5]\ngoal ="), &early);
+    // Into a region and out again: who begins outside has not been out too early.
+    assert!(outcome(WALKERS, "that.passes = [\"me.x > 8\", \"me.x > 12 or me.x < 8\"]").holds);
     // The other way round, the first is passed last.
     let turned = outcome(WALKERS, "that.passes = [\"me.x > 18\", \"me.x > 8\"]");
     assert!(!turned.holds && turned.figure == 0.0, "{turned:?}");
