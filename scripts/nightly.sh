@@ -7,6 +7,9 @@ root=$PWD
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$root/target}"
 export PROPTEST_RNG_SEED="${PROPTEST_RNG_SEED:-2007}"
 
+echo "== advisories"
+scripts/advisories.sh || [ $? -eq 2 ]
+
 echo "== long tests"
 cargo test --test all -- --ignored
 
