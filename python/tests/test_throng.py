@@ -94,6 +94,29 @@ def test_wrong_input_is_told_clearly(bundle, tmp_path):
         throng.Simulation(SQUARE).step(-1.0)
 
 
+def test_starts_and_targets_are_lists_and_arrays_of_any_numbers(bundle):
+    starts, targets = [[0, 0, 0], [4, 0, 1.5]], [[2, 0, 2], [6, 0, -3]]
+    kinds = [
+        lambda rows: rows,
+        lambda rows: np.array(rows, np.float32),
+        lambda rows: np.array(rows, np.float64),
+        lambda rows: np.asfortranarray(np.array(rows, np.float32)),
+    ]
+    hashes = set()
+    for made in kinds:
+        characters = throng.Characters(bundle, made(starts))
+        characters.aim(made(targets))
+        for _ in range(5):
+            characters.step()
+        hashes.add(characters.hash())
+    assert len(hashes) == 1
+    for wrong in ("here", [0, 0, 0], [["a", 0, 0]], [[0, 0], [0]]):
+        with pytest.raises(throng.InputError, match="roots"):
+            throng.Characters(bundle, wrong)
+        with pytest.raises(throng.InputError, match="targets"):
+            characters.aim(wrong)
+
+
 def test_roots_of_a_moment_stay_as_they_were():
     sim = throng.Simulation(SQUARE)
     first = sim.roots

@@ -119,6 +119,13 @@ class Characters(_throng.Characters):
     - ``instances``: steps also leave records, see ``instances``.
     """
 
+    def __new__(cls, bundle: Bundle, roots: _npt.ArrayLike, *args: _Any, **settings: _Any) -> Characters:
+        return super().__new__(cls, bundle, _numbers("roots", roots, 2), *args, **settings)
+
+    def aim(self, targets: _npt.ArrayLike) -> None:
+        """Sends every character to a target of its own, from now on (n x 3: x, y, z; m)."""
+        super().aim(_numbers("targets", targets, 2))
+
     @property
     def instances(self) -> _npt.NDArray[_Any]:
         """A record of everybody for a GPU (n, structured, 32 bytes each): a copy; empty unless asked for at first.
