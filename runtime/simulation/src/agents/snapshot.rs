@@ -110,7 +110,7 @@ impl<V: Space> SceneAgents<V> {
             return Err("somebody knows of what has not happened");
         }
         self.stage.things.check(&saved.things, &saved.handled, n)?;
-        let is_path = |path: &Vec<V>| !path.is_empty() && path.iter().all(|at| at.is_finite());
+        let is_path = |path: &Vec<V>| path.iter().all(|at| at.is_finite());
         let has_room = saved.sent.iter().all(|&sent| sent < u32::MAX / 128);
         let num_motions = self.brains.as_ref().map_or(0, AgentBrains::num_motions);
         let is_seen = saved.shown.iter().chain(saved.ordered.iter().flatten()).all(|s| {
