@@ -137,3 +137,36 @@ fn free_width<V: Space>(middle: V, along: V, right: V, ahead: &GroupAhead<'_, V>
     }
     narrowest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    /// Speeds of three who walk side by side, each at its place.
+    fn speeds(density: f32) -> [f32; 3] {
+        let (radius, right) = (0.3, Vec2::X.right());
+        let at = |k: u32| right * (k as f32 - 1.0) * (2.0 * radius + BESIDE_M);
+        let ahead = GroupAhead { solids: &[], near: &[], density: [density, 0.0], coming: 0.0 };
+        [0, 1, 2].map(|index| {
+            let desired = Vec2::X;
+            let mut me = SteeredAgent { radius, desired, speed: 1.3, distance_left: 50.0, ..SteeredAgent::default() };
+            let others = [0, 1, 2].into_iter().filter(|&k| k != index);
+            let other = |k: u32| Companion { index: k, offset: at(k) - at(index), intent: Vec2::X, speed: 1.3 };
+            companion_force(index, &mut me, &others.map(other).collect::<Vec<_>>(), &ahead);
+            assert!((me.desired - Vec2::X).length() < 1e-5, "nobody steps aside");
+            me.speed
+        })
+    }
+
+    #[test]
+    fn the_outer_companions_go_ahead_of_the_middle_one_in_a_crowd() {
+        assert!(speeds(0.0).iter().all(|v| (v - 1.3).abs() < 1e-5), "{:?}", speeds(0.0));
+        // Half way to a V, and before they mind those behind more than each other.
+        let [left, middle, right] = speeds(0.6);
+        let weight = 1.0 - (0.6 - PRESSED_AT[0]) / (PRESSED_AT[1] - PRESSED_AT[0]);
+        let pace = |outward: f32| 1.3 * (1.0 + weight * PACE_PER_M * 0.5 * BENT_M * outward);
+        assert!((left - pace(0.25)).abs() < 1e-4 && (right - pace(0.25)).abs() < 1e-4, "{left} {right}");
+        assert!((middle - pace(-0.75)).abs() < 1e-4 && middle < 1.25, "{middle}");
+    }
+}

@@ -213,3 +213,68 @@ fn dodge_mover<V: Space>(me: &SteeredAgent<V>, field: &ForceField, other: &SeenN
     // In half of the time that is left.
     away * (8.0 * missing.max(0.0) / (time * time).max(1e-3)).min(me.limit)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    fn walker() -> SteeredAgent<Vec2> {
+        SteeredAgent {
+            radius: 0.3,
+            limit: 5.0,
+            desired: Vec2::X,
+            speed: 1.3,
+            distance_left: 100.0,
+            ..SteeredAgent::default()
+        }
+    }
+
+    fn surroundings<'a>(grid: &'a DensityGrid<Vec2>, interests: &'a [Interest<Vec2>]) -> ForceSurroundings<'a, Vec2> {
+        let steering = &SteeringConfig::DEFAULT;
+        ForceSurroundings { seen: &[], solids: &[], near: &[], walls: &[], grid, interests, steering }
+    }
+
+    #[test]
+    fn the_table_of_speeds_by_density_is_the_diagram_between_its_values_too() {
+        for k in 10..=100 {
+            let density = 0.05 * k as f32;
+            let diagram = 1.0 - (-1.913 * (density.recip() - 5.4f32.recip())).exp();
+            let off = share_of_speed(density) - diagram;
+            assert!(off.abs() < 0.015, "{density}: off by {off}");
+            assert!(share_of_speed(density) < share_of_speed(density - 0.01), "{density}: the more, the slower");
+        }
+        assert_eq!(share_of_speed(0.0), 1.0);
+        assert!((share_of_speed(0.75) - 0.5 * (share_of_speed(0.5) + share_of_speed(1.0))).abs() < 1e-6);
+        assert_eq!(share_of_speed(9.0), share_of_speed(100.0));
+    }
+
+    #[test]
+    fn a_walker_slows_down_where_many_are_and_one_in_a_hurry_does_not() {
+        let mut grid = DensityGrid::new(1.0, Vec2::splat(20.0), 100);
+        let me = SteeredAgent { position: Vec2::splat(0.5), ..walker() };
+        let speed = |grid: &DensityGrid<Vec2>, crowd_speed: f32| {
+            let field = ForceField { crowd_speed, ..ForceField::default() };
+            desired_velocity(&me, &field, &surroundings(grid, &[])).length()
+        };
+        assert!((speed(&grid, 1.0) - 1.3).abs() < 1e-5, "nobody is there");
+        // Two on each of the squares ahead, which go its way as fast as it does: nothing else slows it.
+        for k in 1..=3 {
+            (0..2).for_each(|_| grid.add(Vec2::new(k as f32 + 0.5, 0.5), Vec2::X * 1.3, Vec2::X));
+        }
+        assert!((speed(&grid, 0.0) - 1.3).abs() < 1e-5, "in a hurry");
+        assert!((speed(&grid, 1.0) - 1.3 * 0.45).abs() < 1e-4, "{}", speed(&grid, 1.0));
+        assert!((speed(&grid, 0.8) - 0.8 * 1.3 * 0.45).abs() < 1e-4, "{}", speed(&grid, 0.8));
+    }
+
+    #[test]
+    fn the_pull_of_an_interest_fades_to_nothing_at_its_reach() {
+        let grid = DensityGrid::new(1.0, Vec2::splat(20.0), 10);
+        for (distance, pull) in [(0.5, 1.75), (2.0, 1.0), (3.0, 0.5), (4.0, 0.0), (6.0, 0.0)] {
+            let interest = Interest { position: Vec2::new(0.0, distance), strength: 2.0, reach: 4.0 };
+            let forces = sum_forces(&walker(), &ForceField::default(), &surroundings(&grid, &[interest]));
+            let off = forces.interaction.distance(Vec2::new(0.0, pull));
+            assert!(off < 1e-5, "at {distance} m: {}", forces.interaction);
+        }
+    }
+}

@@ -42,6 +42,20 @@ fn interests_of_one_agent_draw_it_alone() {
     assert!(crowd.set_interest(ids[0], 1, Some(bad(1.0, 1.0, gone))).is_err());
 }
 
+/// What is twice as strong, and half way to its end, draws as much.
+#[test]
+fn interests_of_one_agent_fade_with_distance() {
+    let mut relationships = crate::steering::relationships::RelationshipTable::<Vec2>::new(1);
+    let id = Id { index: 0, generation: 0 };
+    for (strength, distance) in [(2.0, 0.0), (2.0, 2.0), (2.0, 6.0), (2.0, 8.0), (2.0, 9.0)] {
+        let at = InterestLocation::Place(Vec2::new(distance, 0.0));
+        relationships.set_interest(id, 1, Some(PersonalInterest { at, strength, reach: 8.0 })).unwrap();
+        let pull = relationships.interest_acceleration(0, Vec2::ZERO, |_| None);
+        let want = if distance > 0.0 { strength * (1.0 - distance / 8.0f32).max(0.0) } else { 0.0 };
+        assert!(pull.distance(Vec2::new(want, 0.0)) < 1e-6, "at {distance} m: {pull}");
+    }
+}
+
 #[test]
 fn an_agent_follows_one_that_draws_it_until_that_one_leaves() {
     let (mut crowd, ids) =
