@@ -271,14 +271,19 @@ pub fn spaces(configs: &BTreeMap<String, BlendConfig>) -> Result<Vec<(String, Bl
     Ok(all)
 }
 
-fn space(name: &str, cfg: &BlendConfig, clips: &ClipSet, warn: &mut Warnings) -> Result<(RawBlendSpace, BlendReport)> {
+fn space(
+    name: &str,
+    cfg: &BlendConfig,
+    clips: &ClipSet,
+    warnings: &mut Warnings,
+) -> Result<(RawBlendSpace, BlendReport)> {
     let sources = select::sources(clips, cfg);
     let mut without = Vec::new();
     let mut chosen = select::candidates(cfg, &sources, &mut without)?;
     let lacking = select::describe_without(name, &without);
-    warn.messages.extend(lacking.iter().cloned());
+    warnings.messages.extend(lacking.iter().cloned());
     let left_out = select::thin_out(&mut chosen, cfg.min_distance);
-    assemble(name, cfg, &chosen, left_out, &clips.skeleton, &lacking, warn)
+    assemble(name, cfg, &chosen, left_out, &clips.skeleton, &lacking, warnings)
 }
 
 /// Makes a space of each posture and manner, of found examples that look alike. Spaces that would be poor are left out.
