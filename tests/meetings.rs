@@ -219,7 +219,7 @@ fn gestures_that_are_none_and_points_at_nothing_are_refused() {
 }
 
 #[test]
-fn who_greets_or_shakes_hands_raises_a_hand_and_blended_people_stand_with_straight_legs() {
+fn who_greets_or_shakes_hands_raises_a_hand() {
     let scene = |do_what: &str| {
         format!(
             r#"
@@ -257,7 +257,7 @@ do = [{do_what}]
         [("{ greet = \"other\" }", 1.2, 0.0), ("{ shake_hands = \"other\" }", 0.9, 1.05)]
     {
         let mut sim = simulation(&scene(do_what));
-        let (mut highest, mut knees) = (vec![0.0f32; 10], Vec::new());
+        let mut highest = vec![0.0f32; 10];
         let mut nearest = vec![f32::INFINITY; 10];
         while sim.time_s() < 20.0 {
             sim.step(1.0 / 30.0).unwrap();
@@ -271,25 +271,10 @@ do = [{do_what}]
                     let others = (0..10).filter(|other| *other != who).map(|other| hips(other).distance(hips(who)));
                     nearest[who] = others.fold(nearest[who], f32::min);
                 }
-                if sim.time_s() > 19.0 {
-                    let at = |j: Joint| joints[who][j.index()];
-                    let bend = |[hip, knee, foot]: [Joint; 3]| (at(hip) - at(knee)).angle_between(at(foot) - at(knee));
-                    let legs = [
-                        [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot],
-                        [Joint::RightThigh, Joint::RightShin, Joint::RightFoot],
-                    ];
-                    knees.push(PI - bend(legs[0]).max(bend(legs[1])));
-                }
             }
         }
         let raised = highest.iter().filter(|&&y| y > raised_m).count();
         assert!(raised >= 9, "{do_what}: hands of {raised} of 10 are raised: {highest:?}");
-        knees.sort_by(f32::total_cmp);
-        assert!(
-            knees[knees.len() / 2] < 0.35,
-            "the straighter knee of who stands is bent by {} rad",
-            knees[knees.len() / 2]
-        );
         if apart_m > 0.0 {
             nearest.sort_by(f32::total_cmp);
             assert!(nearest[2] > 0.8 * apart_m && nearest[5] < 1.3 * apart_m, "they stand apart by {nearest:?}");

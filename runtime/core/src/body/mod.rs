@@ -46,7 +46,7 @@ pub(crate) use lanes::{Lane, Lane3, RANGE_BLOCKS, RANGE_LEN, get_lane, load, pla
 pub(crate) use lanewise::{Lanewise, lanewise_fields};
 pub use matrix::{LocalTransform, Mat3x4};
 pub(crate) use placement::PlacementLanes;
-pub(crate) use reach::{reach_hand, soft_length};
+pub(crate) use reach::reach_hand;
 pub use reaction::ReactionConfig;
 pub(crate) use sample::{FrameCursor, FramePosition, LanePose, WINDOW, sample_number, sample_pose};
 pub(crate) use springs::{DampedSpring, Decay, HALF_LIVES_KEPT};

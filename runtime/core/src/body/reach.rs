@@ -293,7 +293,7 @@ fn wrist<F: Lanes>(body: &LaneBody, side: usize, place: &[Lane; 3], pose: &Model
 
 /// Length of a limb up to which it stretches for anything (m).
 #[inline(always)]
-pub(crate) fn soft_length<F: Lanes>([l1, l2]: &[Lane; 2]) -> F {
+pub(super) fn soft_length<F: Lanes>([l1, l2]: &[Lane; 2]) -> F {
     (F::load(l1) + F::load(l2)) * F::splat(SOFT)
 }
 

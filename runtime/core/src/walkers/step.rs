@@ -12,13 +12,13 @@ use crate::blend::{BlendSpace, BlendedPosture, channel, smooth_share};
 use crate::body::{
     Bearing, BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, HeightField, LEGS, Lane,
     LaneBody, LanePose, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacementLanes, PlantFeet, PoseInstance,
-    PoseOutput, SolePose, load, planar_of_lane, pose_block, reach_hand, soft_length, unorm,
+    PoseOutput, SolePose, load, planar_of_lane, pose_block, reach_hand, unorm,
 };
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, Q, V, dispatch};
-use throng_base::thresholds::{STEP_TIME_MPS, WALKER_KNEE_RADPM, WALKER_KNEE_RADPS, WALKING_MPS};
+use throng_base::thresholds::{STEP_TIME_MPS, WALKER_KNEE_RADPM, WALKER_KNEE_RADPS};
 
 /// Share of the blend that has a foot on the ground from which it is planted, and down to which it stays.
 const PLANTED: [f32; 2] = [0.65, 0.35];
@@ -288,22 +288,18 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
     #[inline(always)]
     fn foot_motion(&self, side: usize, place: &PlacementLanes<F>, model: &ModelPose<F>) -> FootMotion<F> {
         let (body, t, zero, one) = (self.body, self.postures, F::splat(0.0), F::splat(1.0));
-        let [thigh, _, foot, toe] = LEGS[side].map(|j| j.index());
+        let [_, _, foot, toe] = LEGS[side].map(|j| j.index());
         let importance = F::load(&self.importance[side]);
         let by_angles = model.positions[foot] - V::new(zero, place.y, zero);
         let scaled = (t.hips + t.ankles[side]) * F::load(&body.scale) + load(&body.legs[side].ankle);
         let ankle = by_angles + (scaled - by_angles) * importance;
-        // Who stands straightens its legs as far as the blended angles; while it walks, knees stay soft.
-        let stands = (one - F::load(self.speed).abs() * F::splat(1.0 / WALKING_MPS)).max(zero);
-        let soft = soft_length::<F>(&body.legs[side].lengths);
-        let straight = ((model.positions[foot] - model.positions[thigh]).length() - soft).max(zero);
         let [plants, stays] = PLANTED.map(F::splat);
         let threshold = plants + (stays - plants) * F::load(&self.feet[side].down);
         FootMotion {
             sole: SolePose { ankle, foot: model.rotations[foot], toe: model.rotations[toe] },
             contacts: [F::select_lt(threshold, t.contacts[side], one, zero); 2],
             importance,
-            leg: F::select_lt(zero, stands, soft + straight * stands, zero),
+            leg: zero,
         }
     }
 }
