@@ -205,13 +205,22 @@ fn walking_feet_stay_planted_while_bodies_are_pushed() {
 
 /// Characters that walk for a time, each with layers that depend on its root.
 fn walk_with(layers: impl Fn(usize, Planar) -> BodyLayers, seconds: f32) -> (PolicyCharacters, Skeleton) {
+    walk_ordered(|c, t, _| order(c, t), layers, seconds)
+}
+
+/// Characters with orders that depend on their number, the time (s) and their root.
+fn walk_ordered(
+    order: impl Fn(usize, f32, Planar) -> PolicyOrder,
+    layers: impl Fn(usize, Planar) -> BodyLayers,
+    seconds: f32,
+) -> (PolicyCharacters, Skeleton) {
     let tables = common::tables();
     let mut people = people(&tables, HeightField::flat());
     for k in 0..(seconds / DT_S) as usize {
         for c in 0..PEOPLE {
             let id = people.ids()[c];
             let root = people.bodies().roots[c];
-            people.order(id, order(c, k as f32 * DT_S).with_layers(layers(c, root))).expect("an order");
+            people.order(id, order(c, k as f32 * DT_S, root).with_layers(layers(c, root))).expect("an order");
         }
         people.step(DT_S, &Inline).expect("a step");
     }
@@ -230,21 +239,16 @@ fn heads_of_policy_characters_turn_to_what_they_look_at() {
         look_at: c.is_multiple_of(2).then(|| in_world(root, aside)),
         ..BodyLayers::default()
     };
-    let (people, _) = walk_with(layers, 3.0);
-    let (plain, _) = walk_with(|_, _| BodyLayers::default(), 3.0);
-    let (earlier, _) = walk_with(layers, 2.2);
-    let mut num_looking = 0;
+    // Straight on: who walks an arc turns away from what it looks at all the time.
+    let ahead = |_, _, root| PolicyOrder::towards(0, in_world(root, 5.0 * Vec3::Z));
+    let (people, _) = walk_ordered(ahead, layers, 3.0);
+    let (plain, _) = walk_ordered(ahead, |_, _| BodyLayers::default(), 3.0);
     for c in 0..PEOPLE {
         let [body, same] = [&people, &plain].map(|p| *p.bodies().model.get(c).expect("a pose"));
         if c % 2 == 1 {
             assert!(body == same, "character {c} looks at nothing");
             continue;
         }
-        // Who has just turned, and the point with it, looks behind it.
-        if (people.bodies().roots[c].heading - earlier.bodies().roots[c].heading).abs() > 0.15 {
-            continue;
-        }
-        num_looking += 1;
         let head = body[Joint::Head.index()];
         let forward = head.rotation() * Vec3::Z;
         let off = forward.angle_between(aside - head.translation()).to_degrees();
@@ -253,7 +257,6 @@ fn heads_of_policy_characters_turn_to_what_they_look_at() {
         assert!(off < 12.0, "character {c} looks {off} degrees past it; {} without", before.to_degrees());
         assert!(before.to_degrees() > 20.0, "it would not have looked there by itself");
     }
-    assert!(num_looking >= 2, "{num_looking} look there while they walk straight on");
 }
 
 #[test]
