@@ -48,12 +48,8 @@ fn solved(model: ActionModel, behaviour: &dyn PolicyBehaviour) -> PolicyTables {
 fn made_up(seed: u64) -> (PolicyTables, PolicyTables) {
     let small = SyntheticProblem { states: 5, actions: 4, rings: 7, angles: 9, seed };
     let grid = GridConfig::polar(small.rings, small.angles, 3.0, 0.25, 1.0);
-    let approach = Approach::new(
-        &PolicyBehaviourConfig { grid, transition_cost_s: Some(3.0), ..unbent() },
-        30.0,
-        None,
-    )
-    .expect("a valid grid");
+    let approach = Approach::new(&PolicyBehaviourConfig { grid, transition_cost_s: Some(3.0), ..unbent() }, 30.0, None)
+        .expect("a valid grid");
     (solved(small.model(), &approach), solved(small.model(), &Blows))
 }
 
@@ -175,8 +171,7 @@ fn walks_to_the_target_and_stands_there() {
 
 #[test]
 fn following_the_policy_collects_what_was_worked_out_by_hand() {
-    let tables =
-        solved(line(), &Approach::new(&unbent(), 30.0, None).expect("a valid behaviour"));
+    let tables = solved(line(), &Approach::new(&unbent(), 30.0, None).expect("a valid behaviour"));
     let table = tables.table(0).expect("sound tables");
     let from = [
         PolicySituation { state: 0, target: Vec3::ZERO },
