@@ -87,7 +87,7 @@ impl Checker {
         if gap < limit { gap } else { f64::INFINITY }
     }
 
-    /// True where the surfaces of a pair are nearer than `limit`; needs [`Checker::place_parts`] first (m).
+    /// True where the surfaces of a pair are nearer than `limit`; needs `place_parts` first (m).
     ///
     /// - `whole`: false tests only the mesh triangle that was near last; a result of `false` then proves nothing.
     pub fn is_nearer(&mut self, problem: &Problem, pair: &CollisionPair, time_s: f64, limit: f64, whole: bool) -> bool {
