@@ -441,7 +441,8 @@ impl AgentBrains {
                 let gesture = GESTURES.get(usize::from(number)).map(|&(_, arm, usual_s)| ShownGesture {
                     arm,
                     at: said.targets[1],
-                    other: (words[1] == ActionOperand::Spot(SpotName::Other)).then_some(context.other),
+                    other: Some(context.other)
+                        .filter(|o| *o != NONE && words[1] == ActionOperand::Spot(SpotName::Other)),
                     until_s: self.now + said.amount(2, usual_s).max(0.0),
                 });
                 stage.show_gesture(agent, gesture);
