@@ -131,8 +131,12 @@ impl Characters {
         self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != SCHEDULED).count();
     }
 
-    /// Poses all characters as they stand and forgets the blows of the last step; time stands still.
+    /// Poses all characters as they stand, reserves their paths and forgets the blows of the last step; time stands still.
     pub(super) fn pose_again(&mut self, motion_set: &MotionSet) {
+        if let Some(avoiding) = &mut self.avoiding {
+            // Navigation reads the velocities of paths before the next step.
+            avoiding.rebuild_paths(&self.blocks, self.num_characters, motion_set);
+        }
         let kept = (self.blocks.clone(), self.bodies.clone());
         self.matrices.fill(Mat3x4::default());
         let (config, ground, partners) = (self.config, self.ground.clone(), self.touch.take());

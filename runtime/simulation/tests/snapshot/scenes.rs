@@ -152,6 +152,25 @@ time_s = 2.5
 goal = { area = { from = [3.0, -43.0], to = [9.0, -37.0] } }
 "#;
 
+/// Captured people who go to and fro, past each other.
+pub const TRAVELLERS: &str = r#"
+[[groups]]
+motion = "policy"
+count = 6
+place = { block = { from = [-9.0, 60.0], to = [-4.0, 65.0] } }
+goal = { shift = { by = [12.0, 0.0] } }
+at_end = "again"
+behaviours = [{ name = "approach" }]
+
+[[groups]]
+motion = "policy"
+count = 6
+place = { block = { from = [4.0, 60.5], to = [9.0, 65.5] } }
+goal = { shift = { by = [-12.0, 0.0] } }
+at_end = "again"
+behaviours = [{ name = "approach" }]
+"#;
+
 pub const AIR: &str = r#"
 environment.space = "air"
 agents.routes = false
@@ -314,6 +333,7 @@ pub fn all() -> Vec<(&'static str, CompiledScene)> {
     let hilly = format!("environment.hills_m = 1.5\n{PATHS}");
     let texts = [
         ("policy", POLICY),
+        ("travellers", TRAVELLERS),
         ("sparring", SPARRING),
         ("paths", &hilly),
         ("patches", PATCHES),
