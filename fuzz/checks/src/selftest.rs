@@ -36,7 +36,7 @@ pub struct SelftestConfig {
 
 impl Default for SelftestConfig {
     fn default() -> Self {
-        Self { mutants: 200, soak_s: 10.0, run_s: 5.0, seed: 1 }
+        Self { mutants: 200, soak_s: 10.0, run_s: 3.0, seed: 1 }
     }
 }
 

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicI64, Ordering::SeqCst};
 use std::sync::{Mutex, PoisonError};
 use throng_bake::cache::Cache;
 use throng_checks::soak::{self, Pools, SoakConfig, SoakReport};
+use throng_core::Inline;
 use throng_lab::run::{BuildContext, built_in_scene};
 use throng_motion::progress::Silent;
 use throng_simulation::Simulation;
@@ -79,6 +80,35 @@ fn runs_of_every_kind_leave_no_memory_behind() {
     // The counter sees what stays.
     let kept = vec![1u8; 2 * MARGIN as usize];
     assert!(IN_USE.load(SeqCst) - in_use[ROUNDS] > MARGIN, "{}", kept.len());
+}
+
+/// A crowd of hours: people come, shop and leave, and their places are taken by others.
+#[test]
+fn a_crowd_that_comes_and_goes_for_an_hour_takes_no_more_memory() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = tempfile::tempdir().expect("a folder");
+    let with = BuildContext { cache: &Cache::disabled(), progress: &Silent, report_news: &|_| {} };
+    let scenes = soak::scenes(folder.path(), &with).expect("scenes of every kind");
+    for (name, least_entries) in [("market", 500), ("floor", 2000)] {
+        let scene = scenes.iter().find(|s| s.name == name).expect("a scene with a source");
+        let mut sim = Simulation::new(&scene.open().expect("it is complete")).expect("a simulation");
+        let mut there: Vec<bool> = sim.roots().map(|root| root.is_some()).collect();
+        let (mut entries, mut in_use) = (0, Vec::new());
+        for minute in 1..=60 {
+            for step in 1..=600 {
+                sim.step_to(f64::from(60 * (minute - 1)) + 0.1 * f64::from(step), &Inline).expect("a step");
+                for (there, root) in there.iter_mut().zip(sim.roots()) {
+                    entries += usize::from(root.is_some() && !*there);
+                    *there = root.is_some();
+                }
+            }
+            in_use.push(IN_USE.load(SeqCst));
+        }
+        let (early, late) = (&in_use[9], in_use[10..].iter().max().expect("minutes"));
+        assert!(late - early < MARGIN, "{name}: bytes in use after each minute: {in_use:?}");
+        assert!(entries > least_entries, "{name}: {entries} came");
+        assert!(there.iter().any(|&there| there), "{name}: somebody is there at the end");
+    }
 }
 
 #[test]
