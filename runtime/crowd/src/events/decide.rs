@@ -37,6 +37,9 @@ const BRAKES_EARLY: f32 = 1.1;
 /// Longest plan while braking, as a share of the braking time: longer ones would pass the goal.
 const BRAKING_PLANS: f32 = 0.5;
 
+/// Forces that add up to more than this count no more than this (m/s^2).
+const STRONGEST_MPS2: f32 = 5.0;
+
 /// Longest plan of an agent that waits before a passage (s).
 const WAITING_S: f32 = 0.5;
 
@@ -115,8 +118,6 @@ pub(crate) struct DesiredMotion<V> {
     pub state: AgentState<V>,
     /// A plan from now on that has no end and no acceleration of its own yet.
     pub fresh: MotionPlan<V>,
-    /// Acceleration by the forces, within its limit.
-    pub acceleration: V,
     pub forces: Forces<V>,
     /// Region around its cell, which it must not leave.
     pub region: (V, V),
@@ -185,14 +186,13 @@ impl<V: Space> Decider<'_, V> {
         let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
         let longest = if waits { longest.min(WAITING_S) } else { longest };
-        let acceleration = total(&forces).at_most(old.limit);
-        DesiredMotion { state, fresh, acceleration, forces, region, meeting, longest }
+        DesiredMotion { state, fresh, forces, region, meeting, longest }
     }
 
     /// New plan for an agent; `None` if it has to keep the present one.
     pub fn decide(&self, agent: u32, scheme: SchemeRef<'_>, scratch: &mut DecisionScratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(agent);
-        let DesiredMotion { mut state, fresh, acceleration, region, meeting, longest, .. } =
+        let DesiredMotion { mut state, fresh, forces, region, meeting, longest } =
             self.desired_motion(agent, Some(scheme), scratch);
         let near = self.scenery.solids_near(state.cell);
         let first = scheme.lists.map_or(meeting.first, |lists| lists.first_meeting(self, &fresh));
@@ -200,7 +200,8 @@ impl<V: Space> Decider<'_, V> {
         let (cause, length) = if length > longest { (Cause::Region, longest) } else { (cause, length) };
         let length = length.max(self.scenery.interval);
         // A plan longer than the relaxation time reaches the desired velocity and does not pass it.
-        let desired = acceleration * (self.scenery.fields[state.field as usize].relaxation_s / length).min(1.0);
+        let share = (self.scenery.fields[state.field as usize].relaxation_s / length).min(1.0);
+        let desired = (total(&forces).at_most(STRONGEST_MPS2.max(old.limit)) * share).at_most(old.limit);
         self.collect_nearby_plans(&fresh, length, scratch);
         let fastest = self.max_speed(&state);
         let aim = PlanAim { acceleration: desired, fastest, length };

@@ -9,6 +9,10 @@ use throng_geometry::distance_to_segment;
 
 /// Largest extent of a line across the path to either side (m).
 const WIDEST_M: f32 = 20.0;
+/// Distance to the side at which subgoals in the open are passed: between walls, all that is free there (m).
+const OPEN_M: f32 = 1.5;
+/// Distance before the line at a subgoal from which on it counts as passed (m).
+const ON_LINE_M: f32 = 0.02;
 /// Most subgoals between an agent and its goal if it is to go there straight.
 const MOST_PASSED: usize = 64;
 /// Distance from its place within which an agent without an order stays (m).
@@ -28,7 +32,7 @@ pub(crate) struct RouteCursor<V> {
 }
 
 /// Prepared route. Agents steer to the line across the path at each subgoal and not to the subgoal: they keep their
-/// distance from the line through the subgoals, and pass anywhere between the walls.
+/// distance from the line through the subgoals, and pass anywhere between the walls; in the open, near the subgoal.
 #[derive(Clone, Debug)]
 pub(crate) struct RoutePath<V> {
     pub route: Route<V>,
@@ -49,8 +53,11 @@ struct RouteLeg<V> {
     along: V,
     /// Across the line that is to be passed: half-way between this leg and the next.
     normal: V,
-    /// Free distance to the left and to the right of the subgoal (m).
-    free: [f32; 2],
+    /// Distances to the left and to the right of the subgoal within which agents aim, and within which it is passed (m).
+    aims: [f32; 2],
+    passes: [f32; 2],
+    /// Distance behind the line within which it is passed (m).
+    behind_m: f32,
     /// Distance from the subgoal to the end of the route, along its legs (m).
     rest: f32,
 }
@@ -58,7 +65,15 @@ struct RouteLeg<V> {
 impl<V: Space> RouteLeg<V> {
     /// A leg that is the only one: nothing is passed on it.
     fn single_leg(at: V) -> Self {
-        Self { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 }
+        Self {
+            to: at,
+            along: V::default(),
+            normal: V::default(),
+            aims: [0.0; 2],
+            passes: [0.0; 2],
+            behind_m: 0.0,
+            rest: 0.0,
+        }
     }
 
     /// Offset of a place to the right of the subgoal, in the direction of the line across the path.
@@ -73,8 +88,8 @@ impl<V: Space> RouteLeg<V> {
     fn is_passed(&self, x: V, arrival: f32) -> bool {
         let off = x - self.to;
         let side = self.side(off);
-        off.dot(self.normal) > 0.0 && -self.free[0] <= side && side <= self.free[1]
-            || off.length_squared() < arrival * arrival
+        let is_behind = (-ON_LINE_M..=self.behind_m).contains(&off.dot(self.normal));
+        is_behind && -self.passes[0] <= side && side <= self.passes[1] || off.length_squared() < arrival * arrival
     }
 }
 
@@ -138,7 +153,13 @@ impl<V: Space> RoutePath<V> {
                 // Where the path turns back there is no line half-way.
                 let normal = if bend > 0.3 { normal } else { along };
                 let free = [-1.0, 1.0].map(|side| free_distance(points[i], normal.right() * side, solids));
-                RouteLeg { to: points[i], along, normal, free, rest: 0.0 }
+                let is_between = free.iter().all(|&free| free < WIDEST_M);
+                let aims = free.map(|free| if is_between { free } else { free.min(OPEN_M) });
+                // Agents may come to the first one from anywhere: along the line across what follows, and from behind it.
+                let is_first = i == 0 && !is_round && !is_between;
+                let passes = if is_first { aims } else { [0, 1].map(|side| free[side].min(2.0 * aims[side])) };
+                let behind_m = if is_first { OPEN_M } else { f32::INFINITY };
+                RouteLeg { to: points[i], along, normal, aims, passes, behind_m, rest: 0.0 }
             })
             .collect();
         for i in (0..num - 1).rev() {
@@ -223,7 +244,7 @@ impl<V: Space> RoutePath<V> {
                 return false;
             }
             let side = l.side(x + (goal - x) * (before / (before - after)) - l.to);
-            -l.free[0] + radius <= side && side <= l.free[1] - radius
+            -l.aims[0] + radius <= side && side <= l.aims[1] - radius
         };
         if !self.is_round() && last - at <= MOST_PASSED && self.legs[at..last].iter().all(crosses) {
             return (goal, 0.0);
@@ -232,8 +253,8 @@ impl<V: Space> RoutePath<V> {
             return (own.to, own.rest);
         }
         let side = (x - own.to).dot(own.along.right());
-        let least = (radius - own.free[0]).min(0.0);
-        let side = side.clamp(least, (own.free[1] - radius).max(least));
+        let least = (radius - own.aims[0]).min(0.0);
+        let side = side.clamp(least, (own.aims[1] - radius).max(least));
         (own.to + own.normal.right() * side, own.rest)
     }
 
@@ -343,6 +364,32 @@ mod tests {
         assert_eq!(legs.map(|leg| path.begin_at(Vec2::new(9.0, 4.1), leg).leg), [0, 2, 3], "in order unless told");
         assert!(path.pass_subgoals(&mut RouteCursor { leg: 3, ..cursor }, Vec2::new(-0.1, 4.0)));
         assert!(!path.pass_subgoals(&mut cursor, Vec2::new(0.3, 0.1)) && cursor.leg == 1);
+    }
+
+    proptest! {
+        /// In the open, who goes where a route leads comes near each of its points in turn, wherever it starts.
+        #[test]
+        fn comes_near_each_point_in_the_open(
+            start in prop::array::uniform2(-30.0f32..30.0),
+            points in prop::collection::vec(prop::array::uniform2(-30.0f32..30.0), 2..6),
+        ) {
+            let points: Vec<Vec2> = points.into_iter().map(Vec2::from_array).collect();
+            prop_assume!(points.windows(2).all(|w| w[0].distance(w[1]) > 5.0));
+            let route = Route { subgoals: points.clone(), arrival_radius: 0.5, at_end: AtEnd::Stay };
+            let path = RoutePath::new(0, &route, &[]).unwrap();
+            let mut at = Vec2::from_array(start);
+            let mut cursor = path.begin_at(at, RouteBegin::Leg(0));
+            let mut left = points.as_slice();
+            for _ in 0..10_000 {
+                path.pass_subgoals(&mut cursor, at);
+                while let Some((&first, rest)) = left.split_first().filter(|(p, _)| p.distance(at) < 2.0 * OPEN_M) {
+                    (left, _) = (rest, first);
+                }
+                at += (path.target(cursor.leg, at, 0.3).0 - at).clamp_length_max(0.05);
+            }
+            prop_assert!(path.has_arrived(&cursor, at), "leg {} at {at}", cursor.leg);
+            prop_assert!(left.is_empty(), "never near {:?}", left);
+        }
     }
 
     #[test]

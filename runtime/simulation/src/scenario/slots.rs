@@ -8,15 +8,26 @@ use super::tables::{ActionClaim, CompiledAction, NONE};
 use glam::Vec3;
 use throng_base::Result;
 
+/// Distance from its slot in a queue beyond which an agent that has not come to it yet is passed (m).
+const ABSENT_M: f32 = 2.0;
+
 impl AgentBrains {
-    /// Lets an agent that has come to its slot in a queue pass those that have not come to theirs yet; true where it has.
+    /// Lets an agent that has come to its slot in a queue pass those that are still far from theirs; true where it has.
     pub(super) fn pass_absent(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<bool> {
         let table = &self.scenario.places[usize::from(place)];
         let (first, is_queue, own) = (table.slots[0], table.is_queue, self.brains[agent as usize].slot);
-        let holder = |slot: &u32| self.brains.get(self.holders[*slot as usize] as usize);
-        let is_absent = |slot: &u32| holder(slot).is_some_and(|brain| brain.aim != NONE);
-        let passed = (first..own).rev().take_while(is_absent).count() as u32;
-        if !is_queue || passed == 0 {
+        let mut passed = 0;
+        while is_queue && own - passed > first {
+            let ahead = own - passed - 1;
+            let holder = self.holders[ahead as usize];
+            let is_new = self.brains.get(holder as usize).is_some_and(|brain| brain.aim != NONE);
+            let at = self.scenario.slots[ahead as usize].at;
+            if !is_new || stage.position(holder).is_some_and(|it| it.distance(at) < ABSENT_M) {
+                break;
+            }
+            passed += 1;
+        }
+        if passed == 0 {
             return Ok(false);
         }
         self.holders[(own - passed) as usize..=own as usize].rotate_right(1);
