@@ -50,6 +50,11 @@ pub(crate) struct SavedTroop {
     walkers: Bytes,
 }
 
+/// Speed below which people step aside without turning (m/s). Chosen: side-steps and back-steps are slower.
+const STEPS_ASIDE_MPS: f32 = 0.7;
+/// Cosine of the angle off the way within which a slow body faces where it goes.
+const ON_COURSE: f32 = 0.5;
+
 impl Troop {
     /// Empty troop; allocates all memory that walkers of this capacity need.
     pub fn new(walkers: Walkers) -> Self {
@@ -247,7 +252,37 @@ fn follow_agent(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control, is
         return;
     };
     (control.position, control.velocity) = (Some(at.xz()), velocity.xz());
-    if !is_held && control.velocity.length() > WALKING_MPS {
-        control.heading = Some(maths::atan2(control.velocity.x, control.velocity.y));
+    let intent = crowd.desired_direction(agent).unwrap_or_default().xz();
+    if let Some(ahead) = facing(control.velocity, intent).filter(|_| !is_held) {
+        control.heading = Some(maths::atan2(ahead.x, ahead.y));
+    }
+}
+
+/// Direction that somebody faces: the one of the velocity; who is slowly pushed off the way keeps facing it, and who wants to be
+/// nowhere else keeps facing where they did.
+///
+/// - `intent`: unit vector in which they want to go, or zero.
+fn facing(velocity: Vec2, intent: Vec2) -> Option<Vec2> {
+    let speed = velocity.length();
+    if speed >= STEPS_ASIDE_MPS || speed > WALKING_MPS && velocity.dot(intent) > ON_COURSE * speed {
+        return Some(velocity);
+    }
+    (speed > WALKING_MPS && intent != Vec2::ZERO).then_some(intent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_is_pushed_aside_does_not_turn_away() {
+        let ahead = Vec2::Y;
+        assert_eq!(facing(Vec2::new(0.1, 1.3), ahead), Some(Vec2::new(0.1, 1.3)));
+        assert_eq!(facing(Vec2::new(0.1, 0.5), ahead), Some(Vec2::new(0.1, 0.5)), "it goes round somebody");
+        assert_eq!(facing(Vec2::new(0.5, 0.1), ahead), Some(ahead), "a step aside");
+        assert_eq!(facing(Vec2::new(0.0, -0.5), ahead), Some(ahead), "a step back");
+        assert_eq!(facing(Vec2::new(0.0, -1.0), ahead), Some(Vec2::new(0.0, -1.0)), "it walks off");
+        assert_eq!(facing(Vec2::new(0.5, 0.1), Vec2::ZERO), None, "it stands, and is pushed");
+        assert_eq!(facing(Vec2::new(0.1, 0.1), ahead), None);
     }
 }
