@@ -16,6 +16,9 @@ use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 const STEADY_PER_S: f32 = 0.8;
 /// Change of the turning rate at the end of a turn of the trajectory (rad/s^2).
 const TURN_ENDS: f32 = 12.0;
+/// Speed below which a body without side steps may face elsewhere than where it goes: its steps are too short to be seen
+/// (m/s). Chosen: those whom others push to and fro would spin like tops.
+const SHUFFLES_MPS: f32 = 0.5;
 /// Speed below which a trajectory has no direction (m/s).
 const AT_REST_MPS: f32 = 1e-4;
 
@@ -155,7 +158,7 @@ impl<'a> WalkerSteering<'a> {
     fn aim_heading(&self, block: &WalkerBlock, lane: usize, control: &Control, speed: f32) -> f32 {
         let travel = block.course[lane];
         match control.heading {
-            Some(heading) if self.sideways || speed < STANDING_MPS => heading,
+            Some(heading) if self.sideways || speed < SHUFFLES_MPS => heading,
             // Without side steps, the body has to face along or against the movement.
             Some(heading) if self.backward && wrap_angle(travel - heading).abs() > FRAC_PI_2 => travel + PI,
             None if speed < STANDING_MPS => block.aim[lane],

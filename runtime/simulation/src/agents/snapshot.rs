@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Id, Result, SnapshotKind};
 use throng_crowd::Space;
 
-const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 8, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 9, setup: 0 };
 
 /// State that changes with time. Names are those of [`super::stage::Outside`] and its layout.
 #[derive(Serialize, Deserialize)]

@@ -21,6 +21,12 @@ const POINTED_M: f32 = 1.2;
 /// Largest distance of a body that faces somebody or something from its disc (m).
 const HELD_M: f32 = 0.2;
 
+/// Speed below which people step aside without turning (m/s). Chosen: side-steps and back-steps are slower.
+const STEPS_ASIDE_MPS: f32 = 0.7;
+/// Half-life of the way that a slow body went (s), and length of it from which on the body faces where it went (m).
+const WENT_HALF_LIFE_S: f32 = 0.5;
+const WENT_M: f32 = 0.22;
+
 /// Bodies of one blend space, row by row as their walkers.
 #[derive(Clone, Debug)]
 pub(crate) struct Troop {
@@ -39,6 +45,8 @@ struct StandingOffset {
     at: Option<Vec2>,
     /// Offset from the centre of its disc (m).
     off: Vec2,
+    /// Way that the disc went of late, half of which is forgotten after [`WENT_HALF_LIFE_S`] (m).
+    went: Vec2,
 }
 
 /// State that the next steps of a troop depend on, beside the crowd and the agents of the bodies.
@@ -49,11 +57,6 @@ pub(crate) struct SavedTroop {
     still: Vec<StandingOffset>,
     walkers: Bytes,
 }
-
-/// Speed below which people step aside without turning (m/s). Chosen: side-steps and back-steps are slower.
-const STEPS_ASIDE_MPS: f32 = 0.7;
-/// Cosine of the angle off the way within which a slow body faces where it goes.
-const ON_COURSE: f32 = 0.5;
 
 impl Troop {
     /// Empty troop; allocates all memory that walkers of this capacity need.
@@ -177,10 +180,10 @@ impl Troop {
     pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Executor) -> Result<()> {
         let now = crowd.time_s();
         let controls = self.controls.chunks_mut(PART).zip(self.still.chunks_mut(PART));
-        let keep = maths::exp2(-dt_s / ASIDE_HALF_LIFE_S);
+        let [keep, recall] = [ASIDE_HALF_LIFE_S, WENT_HALF_LIFE_S].map(|half_life| maths::exp2(-dt_s / half_life));
         run_each(run, self.agents.chunks(PART).zip(controls), |(agents, (controls, still))| {
             for ((&agent, control), still) in agents.iter().zip(controls).zip(still) {
-                follow_agent(crowd, agent, now, control, still.at.is_some());
+                still.follow_agent(crowd, agent, now, control, [dt_s, recall]);
                 still.displace_control(control, keep);
             }
         });
@@ -208,7 +211,8 @@ impl Troop {
     pub fn load(&mut self, saved: &SavedTroop) -> Result<()> {
         let SavedTroop { controls, still, walkers } = saved;
         let mut pairs = self.agents.iter().zip(controls);
-        let is_finite = |s: &StandingOffset| s.off.is_finite() && s.at.is_none_or(Vec2::is_finite);
+        let is_finite =
+            |s: &StandingOffset| s.off.is_finite() && s.went.is_finite() && s.at.is_none_or(Vec2::is_finite);
         let may_stand = still.len() == controls.len() && still.iter().all(is_finite);
         check_snapshot(may_stand, "bodies", "they stand where none can")?;
         if controls.len() != self.agents.len() || !pairs.all(|(&id, c)| self.walkers.check_order(id, c).is_ok()) {
@@ -224,6 +228,31 @@ impl Troop {
 }
 
 impl StandingOffset {
+    /// Updates the control of a body: to be at its agent's position and to move with it. Bodies of standing agents, and those that
+    /// are held, keep their heading, those of agents that have left stay where they were.
+    ///
+    /// - `dt_s`, `recall`: duration of the step (s), and share of the way of late that is remembered after it.
+    fn follow_agent(&mut self, crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control, [dt_s, recall]: [f32; 2]) {
+        let (Some(at), Some(velocity)) = (crowd.position(agent, time_s), crowd.smooth_velocity(agent)) else {
+            control.velocity = Vec2::ZERO;
+            return;
+        };
+        (control.position, control.velocity) = (Some(at.xz()), velocity.xz());
+        self.went = self.went * recall + control.velocity * dt_s;
+        if let Some(ahead) = self.facing(control.velocity).filter(|_| self.at.is_none()) {
+            control.heading = Some(maths::atan2(ahead.x, ahead.y));
+        }
+    }
+
+    /// Direction that a body faces: the one of its velocity, or where it is slow, of the way that it went; the same as before while
+    /// others push it to and fro.
+    fn facing(&self, velocity: Vec2) -> Option<Vec2> {
+        match velocity.length() >= STEPS_ASIDE_MPS {
+            true => Some(velocity),
+            false => Some(self.went).filter(|went| went.length() > WENT_M),
+        }
+    }
+
     /// Displaces the position that a body is ordered to take.
     ///
     /// - `keep`: share of the distance that is left after a step.
@@ -244,45 +273,28 @@ fn standing_control(at: Vec2, heading: f32) -> Control {
     Control { position: Some(at), heading: Some(heading), ..Control::default() }
 }
 
-/// Updates the control of a body: to be at its agent's position and to move with it. Bodies of standing agents, and those that are
-/// held, keep their heading, those of agents that have left stay where they were.
-fn follow_agent(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control, is_held: bool) {
-    let (Some(at), Some(velocity)) = (crowd.position(agent, time_s), crowd.smooth_velocity(agent)) else {
-        control.velocity = Vec2::ZERO;
-        return;
-    };
-    (control.position, control.velocity) = (Some(at.xz()), velocity.xz());
-    let intent = crowd.desired_direction(agent).unwrap_or_default().xz();
-    if let Some(ahead) = facing(control.velocity, intent).filter(|_| !is_held) {
-        control.heading = Some(maths::atan2(ahead.x, ahead.y));
-    }
-}
-
-/// Direction that somebody faces: the one of the velocity; who is slowly pushed off the way keeps facing it, and who wants to be
-/// nowhere else keeps facing where they did.
-///
-/// - `intent`: unit vector in which they want to go, or zero.
-fn facing(velocity: Vec2, intent: Vec2) -> Option<Vec2> {
-    let speed = velocity.length();
-    if speed >= STEPS_ASIDE_MPS || speed > WALKING_MPS && velocity.dot(intent) > ON_COURSE * speed {
-        return Some(velocity);
-    }
-    (speed > WALKING_MPS && intent != Vec2::ZERO).then_some(intent)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::TAU;
 
     #[test]
-    fn who_is_pushed_aside_does_not_turn_away() {
-        let ahead = Vec2::Y;
-        assert_eq!(facing(Vec2::new(0.1, 1.3), ahead), Some(Vec2::new(0.1, 1.3)));
-        assert_eq!(facing(Vec2::new(0.1, 0.5), ahead), Some(Vec2::new(0.1, 0.5)), "it goes round somebody");
-        assert_eq!(facing(Vec2::new(0.5, 0.1), ahead), Some(ahead), "a step aside");
-        assert_eq!(facing(Vec2::new(0.0, -0.5), ahead), Some(ahead), "a step back");
-        assert_eq!(facing(Vec2::new(0.0, -1.0), ahead), Some(Vec2::new(0.0, -1.0)), "it walks off");
-        assert_eq!(facing(Vec2::new(0.5, 0.1), Vec2::ZERO), None, "it stands, and is pushed");
-        assert_eq!(facing(Vec2::new(0.1, 0.1), ahead), None);
+    fn who_is_pushed_to_and_fro_does_not_turn_and_who_walks_slowly_does() {
+        let dt_s = 1.0 / 30.0;
+        let turned = |velocity: &dyn Fn(f32) -> Vec2| {
+            let (mut body, mut turned) = (StandingOffset::default(), Vec::new());
+            for step in 0..90 {
+                let velocity = velocity(step as f32 * dt_s);
+                body.went = body.went * maths::exp2(-dt_s / WENT_HALF_LIFE_S) + velocity * dt_s;
+                turned.extend(body.facing(velocity));
+            }
+            turned
+        };
+        let round = |time_s: f32| maths::direction_at_angle(TAU * time_s) * 0.5;
+        assert!(turned(&round).is_empty(), "on a circle of 8 cm");
+        assert!(turned(&|_| Vec2::X * 0.2).is_empty(), "as slow as a shuffle");
+        let slow = turned(&|_| Vec2::X * 0.4);
+        assert!(slow.len() > 45 && slow.iter().all(|ahead| ahead.dot(Vec2::X) > 0.2), "{slow:?}");
+        assert_eq!(turned(&|_| Vec2::X)[0], Vec2::X, "at once");
     }
 }
