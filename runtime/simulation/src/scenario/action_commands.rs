@@ -9,6 +9,7 @@ use super::blackboards::BlackboardNote;
 use super::courses::CourseBegin;
 use super::language::{Amount, SpotName};
 use super::perceive::AgentView;
+use super::slots::IN_LINE_M;
 use super::stage::{ScenarioStage, ShownGesture};
 use super::tables::{ActionClaim, CompiledAction, NONE, trigger};
 use glam::Vec3;
@@ -152,7 +153,10 @@ impl AgentBrains {
                 _ => self.claim_slot(stage, agent, place)?,
             } {
                 let slot = self.scenario.slots[slot as usize];
-                (said.targets[0], said.facing, said.arrival_m) = (Some(slot.at), Some(slot.facing), SLOT_M);
+                let is_queue = self.scenario.places[usize::from(place)].is_queue;
+                let comes = is_queue && brain.phase != ActionPhase::Waiting;
+                (said.targets[0], said.facing) = (Some(slot.at), Some(slot.facing));
+                said.arrival_m = if comes { IN_LINE_M } else { SLOT_M };
             } else if self.waits_beside(stage, agent, place)? {
                 return Ok(false);
             } else {
@@ -273,7 +277,9 @@ impl AgentBrains {
                 }
                 return self.run_primitive(stage, agent, true);
             };
-            if std::mem::replace(&mut self.brains[m].aim, NONE) != NONE && self.pass_absent(stage, agent, place)? {
+            let comes = std::mem::replace(&mut self.brains[m].aim, NONE) != NONE;
+            if comes && self.scenario.places[usize::from(place)].is_queue {
+                self.join_before_absent(stage, agent, place)?;
                 if let ActionClaim::Serve(service) = claims {
                     self.call_next(stage, service)?;
                 }

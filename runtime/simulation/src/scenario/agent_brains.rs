@@ -85,8 +85,8 @@ pub struct AgentBrains {
     pub(super) followed: Vec<f64>,
     /// Relationships that differ from the relations of the scene: the last four agents of each, with added liking (agents).
     pub(super) relationships: Vec<[(u32, f32); 4]>,
-    /// Agent that holds each slot; [`NONE`] for none. Those of a queue are held without a gap: `release_slot` closes gaps, `pass_absent`
-    /// changes the order.
+    /// Agent that holds each slot; [`NONE`] for none. Those of a queue are held without a gap: `release_slot` closes gaps,
+    /// `join_before_absent` changes the order.
     pub(super) holders: Vec<u32>,
     /// What tills and lines of each service have done.
     pub(super) services: Vec<ServiceRecord>,

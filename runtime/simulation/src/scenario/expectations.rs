@@ -332,8 +332,7 @@ impl ExpectationMeter {
         let head = view.brains.scenario.places[usize::from(place)].slots[0];
         for a in 0..self.agents.len() as u32 {
             let brain = &view.brains.brains[a as usize];
-            // An agent that has come to its slot stands in line, also while it moves up.
-            let stands = brain.is_there && brain.aim == NONE;
+            let stands = view.brains.is_in_line(a);
             let slot = slots.get(brain.slot as usize).filter(|s| s.place == place).map_or(NONE, |_| brain.slot);
             let own = &mut self.agents[a as usize];
             if slot != NONE && stands {

@@ -8,37 +8,31 @@ use super::tables::{ActionClaim, CompiledAction, NONE};
 use glam::Vec3;
 use throng_base::Result;
 
-/// Distance from its slot in a queue beyond which an agent that has not come to it yet is passed (m).
-const ABSENT_M: f32 = 2.0;
+/// Distance from its slot in a queue within which an agent stands in line (m).
+pub(super) const IN_LINE_M: f32 = 0.6;
 
 impl AgentBrains {
-    /// Lets an agent that has come to its slot in a queue pass those that are still far from theirs; true where it has.
-    pub(super) fn pass_absent(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<bool> {
+    /// True for an agent that stands in the line of its slot, or moves up in it.
+    pub(super) fn is_in_line(&self, agent: u32) -> bool {
+        self.brains.get(agent as usize).is_some_and(|brain| brain.is_there && brain.slot != NONE && brain.aim == NONE)
+    }
+
+    /// Lets an agent that comes into a line pass those that have slots before it and are not in line yet, and walk to its slot. Nobody
+    /// else passes them.
+    pub(super) fn join_before_absent(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<()> {
         let table = &self.scenario.places[usize::from(place)];
-        let (first, is_queue, own) = (table.slots[0], table.is_queue, self.brains[agent as usize].slot);
-        let mut passed = 0;
-        while is_queue && own - passed > first {
-            let ahead = own - passed - 1;
-            let holder = self.holders[ahead as usize];
-            let is_new = self.brains.get(holder as usize).is_some_and(|brain| brain.aim != NONE);
-            let at = self.scenario.slots[ahead as usize].at;
-            if !is_new || stage.position(holder).is_some_and(|it| it.distance(at) < ABSENT_M) {
-                break;
-            }
-            passed += 1;
-        }
-        if passed == 0 {
-            return Ok(false);
-        }
+        let (first, own) = (table.slots[0], self.brains[agent as usize].slot);
+        let is_absent = |slot: &u32| !self.is_in_line(self.holders[*slot as usize]);
+        let passed = (first..own).rev().take_while(is_absent).count() as u32;
         self.holders[(own - passed) as usize..=own as usize].rotate_right(1);
         for slot in own - passed..=own {
             let holder = self.holders[slot as usize];
-            self.brains[holder as usize].slot = slot;
-            self.brains[holder as usize].phase = ActionPhase::Walking;
+            let brain = &mut self.brains[holder as usize];
+            (brain.slot, brain.aim, brain.phase) = (slot, NONE, ActionPhase::Walking);
             self.mark_touched(holder);
             stage.order_walk(holder, self.scenario.slots[slot as usize].at, SLOT_M, false)?;
         }
-        Ok(true)
+        Ok(())
     }
 
     /// Free end of the queue of a place, where an agent that holds no slot there is still far from it.

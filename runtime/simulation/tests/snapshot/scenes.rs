@@ -333,7 +333,6 @@ pub fn all() -> Vec<(&'static str, CompiledScene)> {
     let hilly = format!("environment.hills_m = 1.5\n{PATHS}");
     let texts = [
         ("policy", POLICY),
-        ("travellers", TRAVELLERS),
         ("sparring", SPARRING),
         ("paths", &hilly),
         ("patches", PATCHES),
@@ -341,6 +340,7 @@ pub fn all() -> Vec<(&'static str, CompiledScene)> {
         ("air", AIR),
         ("story", STORY),
         ("mixed", &mixed),
+        ("travellers", TRAVELLERS),
     ];
     texts.map(|(name, text)| (name, compile(text, &boxing))).into()
 }

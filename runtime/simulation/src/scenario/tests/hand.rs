@@ -135,10 +135,12 @@ fn those_in_a_queue_move_up_and_nobody_holds_two_slots() {
         (states, brains.holders.iter().filter(|h| **h != super::super::tables::NONE).count())
     };
     assert_eq!(at(1.0), (vec![("a".into(), 8)], 1));
-    assert_eq!(at(5.2), (vec![("a".into(), 8)], 4), "one in each 1.7 s");
-    // One at the till, six in line; it is done 1.7 + 10 s after it is its turn.
-    assert_eq!(at(11.6), (vec![("a".into(), 7), ("c".into(), 1)], 7));
-    assert_eq!(at(11.8), (vec![("a".into(), 6), ("b".into(), 1), ("c".into(), 1)], 6));
+    // A walk takes 1.7 s: one into the line, and one to the slot there.
+    assert_eq!(at(3.3), (vec![("a".into(), 8)], 1));
+    assert_eq!(at(6.9), (vec![("a".into(), 8)], 4), "one in each 1.7 s");
+    // One at the till, six in line; it is done 2 * 1.7 + 10 s after it came.
+    assert_eq!(at(13.3), (vec![("a".into(), 7), ("c".into(), 1)], 7));
+    assert_eq!(at(13.5), (vec![("a".into(), 6), ("b".into(), 1), ("c".into(), 1)], 6));
 }
 
 #[test]
