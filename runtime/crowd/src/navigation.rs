@@ -175,7 +175,7 @@ impl Navigation {
         let solids: Vec<Vec<ConvexSolid<Vec2>>> =
             obstacles.iter().enumerate().map(|(n, o)| solids(n, o)).collect::<Result<_>>()?;
         let room_m = radius_m + PASSAGE_ROOM_M;
-        let passages = Passages::find_below(streets, room_m, &NARROW_RADII.map(|radii| [radii * room_m; 2]));
+        let passages = Passages::find_below(streets, room_m, &NARROW_RADII.map(|radii| radii * room_m), 0.0);
         Ok(Self {
             turns: PassageTurns::new(&passages, TURN_S),
             passages,

@@ -17,8 +17,8 @@ const CORNER_M: f32 = 0.3;
 /// Largest distance from a corner at which people pass it, and room that they leave to the wall beyond (m).
 const WIDEST_M: f32 = 3.0;
 const WALL_ROOM_M: f32 = 0.5;
-/// Width of stairs below which streams that meet block each other (m).
-const NARROW_M: f32 = 3.5;
+/// Width of stairs below which they belong to a narrow passage that they lead to: nobody waits on them (m).
+const STAIRS_M: f32 = 3.5;
 /// Share of the width by which the place of one body at a corner differs from that of the next: the golden ratio.
 const GOLDEN: f32 = 0.618_034;
 /// Points of a route that are nearer to each other are one (m).
@@ -50,13 +50,13 @@ impl LevelRoutes {
         (Self { level: level.clone(), path: LevelPath::default(), heights: Vec::new(), walls, boxes }, solids)
     }
 
-    /// Passages in which streams of people of a radius (m) would block each other, on all floors: doors, stairs.
+    /// Passages in which two people of a radius (m) would block each other, on all floors, with the stairs that lead to them.
     pub fn find_passages(&self, radius_m: f32) -> Result<Passages> {
-        let wall = |w: &throng_level::LevelWall| Obstacle::Wall { from: w.from.into(), to: w.to.into(), radius: 0.0 };
-        let walls: Vec<Obstacle> = self.level.walls().iter().map(wall).collect();
-        let heights = self.level.walls().iter().map(|w| [w.from[1].min(w.to[1]), w.from[1].max(w.to[1])]);
+        let wall = |[from, to]: &[Vec3; 2]| Obstacle::Wall { from: *from, to: *to, radius: 0.0 };
+        let walls: Vec<Obstacle> = self.walls.iter().map(wall).collect();
+        let heights = self.walls.iter().map(|[from, to]| [from.y.min(to.y), from.y.max(to.y)]);
         let streets = Streets::of_level(&walls, heights.collect(), radius_m)?;
-        Ok(Passages::find_below(&streets, radius_m, &NARROW_RADII.map(|radii| [radii * radius_m, NARROW_M])))
+        Ok(Passages::find_below(&streets, radius_m, &[NARROW_RADII[0] * radius_m], STAIRS_M))
     }
 
     /// Route of a body without the points that repeat the one before.

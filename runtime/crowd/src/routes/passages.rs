@@ -4,7 +4,7 @@
 //! mouth and leaves those who come out a lane. Where people wait on both sides, directions take turns, and nobody enters
 //! until the last one is out. Turns change only when the density grid is filled: so all who decide in between know the same.
 
-use super::streets::Streets;
+use super::streets::{ALL_HEIGHTS, Streets};
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use throng_base::ground::is_one_floor;
@@ -12,8 +12,10 @@ use throng_geometry::{Bounds2d, BoxGrid, nearest_on_segment};
 
 /// Width below which two cannot meet, in radii.
 const NARROW_RADII: f32 = 4.4;
-/// Difference of heights from which a passage is stairs, or a ramp (m).
-const STAIRS_M: f32 = 1.0;
+/// Rise of a part of a wall from which it stands beside stairs, or a ramp (m).
+const STAIRS_M: f32 = 0.3;
+/// Width of stairs that a level's walls, on the edges of voxels, may leave out (m).
+const RAGGED_M: f32 = 0.2;
 /// Distance between the points of a middle line (m).
 const STEP_M: f32 = 0.1;
 /// Most points of a middle line.
@@ -46,15 +48,21 @@ const TURN_PER_M_S: f64 = 0.8;
 /// A passage.
 #[derive(Clone, Debug)]
 struct Passage {
-    /// Middle line from one mouth to the other (m, at least two points).
-    line: Vec<Vec2>,
+    /// Middle line from one mouth to the other (at least two points).
+    line: Vec<LinePoint>,
     /// Length of the line (m).
     length: f32,
     /// Largest distance of a wall from the line (m).
     half_width: f32,
     /// Least width (m).
     narrowest: f32,
-    /// Lowest and highest ground in it (m).
+}
+
+/// Point of a middle line.
+#[derive(Clone, Copy, Debug)]
+struct LinePoint {
+    at: Vec2,
+    /// Lowest and highest ground at the walls beside it (m).
     floor: [f32; 2],
 }
 
@@ -144,33 +152,37 @@ struct WallsBeside {
     right_m: f32,
     /// Direction from the right wall to the left one.
     across: Vec2,
+    /// Lowest and highest ground beside them (m).
+    floor: [f32; 2],
+    /// True where stairs, or a ramp, are beside it or begin there.
+    has_stairs: bool,
 }
 
 impl Passages {
     /// Finds the passages for people of a radius, in which two cannot meet (m).
     pub fn find(streets: &Streets, radius_m: f32) -> Self {
-        Self::find_below(streets, radius_m, &[[NARROW_RADII * radius_m; 2]])
+        Self::find_below(streets, radius_m, &[NARROW_RADII * radius_m], 0.0)
     }
 
     /// Finds the passages for people of a radius (m): those below the first width, then others below the next.
     ///
-    /// - `below_m`: widths below which gaps, and stairs, are passages (m).
-    pub fn find_below(streets: &Streets, radius_m: f32, below_m: &[[f32; 2]]) -> Self {
+    /// - `below_m`: widths below which gaps are passages (m).
+    /// - `stairs_m`: width below which stairs belong to the passage that they lead to (m).
+    pub fn find_below(streets: &Streets, radius_m: f32, below_m: &[f32], stairs_m: f32) -> Self {
         let mut all: Vec<Passage> = Vec::new();
-        for [below_m, stairs_m] in below_m {
-            let widths =
-                |[low, high]: [f32; 2]| [2.0 * radius_m, if high - low > STAIRS_M { *stairs_m } else { *below_m }];
+        for &below_m in below_m {
+            let gap = NarrowGap { streets, narrowest_m: 2.0 * radius_m, below_m, stairs_m: stairs_m.max(below_m) };
+            let widths = |floor| [gap.narrowest_m, if is_stairs(floor) { below_m - RAGGED_M } else { below_m }];
             streets.visit_narrow_gaps(widths, |middle, across, floor| {
-                if !all.iter().any(|passage| is_one_floor(passage.floor, floor) && passage.holds(middle)) {
-                    let gap = NarrowGap { streets, widths: widths(floor), floor };
-                    all.extend(Passage::trace(&gap, middle, across));
+                if !all.iter().any(|passage| passage.holds(middle, floor)) {
+                    all.extend(Passage::trace(&gap, LinePoint { at: middle, floor }, across));
                 }
             });
         }
         join_passages(&mut all, JOINED_RADII * radius_m);
         let mut boxes = BoxGrid::with_capacity(all.len());
         for (number, passage) in all.iter().enumerate() {
-            let around = passage.line.iter().fold(Bounds2d::EMPTY, |b, p| b.union(Bounds2d::around_disc(*p, NEAR_M)));
+            let around = passage.line.iter().fold(Bounds2d::EMPTY, |b, p| b.union(Bounds2d::around_disc(p.at, NEAR_M)));
             boxes.set(number, around);
         }
         Self { boxes: Some(boxes).filter(|_| !all.is_empty()), all }
@@ -182,9 +194,7 @@ impl Passages {
     pub fn find_use(&self, at: Vec2, aim: Vec2, height_m: f32) -> Option<PassageUse> {
         let mut best: Option<PassageUse> = None;
         self.boxes.as_ref()?.visit_intersecting(&Bounds2d { min: at, max: at }, |number| {
-            let passage = &self.all[number];
-            let found = passage.find_use(number, at, aim).filter(|_| is_one_floor(passage.floor, [height_m; 2]));
-            if let Some(found) = found
+            if let Some(found) = self.all[number].find_use(number, at, aim, [height_m; 2])
                 && best.is_none_or(|b| (found.distance, found.number) < (b.distance, b.number))
             {
                 best = Some(found);
@@ -205,40 +215,40 @@ impl Passage {
     /// The passage through a narrow place; none where it leads nowhere.
     ///
     /// - `across`: unit vector from wall to wall.
-    fn trace(gap: &NarrowGap<'_>, middle: Vec2, across: Vec2) -> Option<Self> {
-        let mut range = [gap.widths[1], gap.widths[0]];
+    fn trace(gap: &NarrowGap<'_>, middle: LinePoint, across: Vec2) -> Option<Self> {
+        let mut range = [gap.stairs_m, gap.narrowest_m];
         let mut line = gap.trace_to_mouth(middle, across.perp(), &mut range)?;
         line.reverse();
         line.push(middle);
         line.extend(gap.trace_to_mouth(middle, -across.perp(), &mut range)?);
-        Some(Self::from_line(line, range, gap.floor))
+        Some(Self::from_line(line, range))
     }
 
     /// - `widths`: least and largest width (m).
-    fn from_line(line: Vec<Vec2>, [narrowest, widest]: [f32; 2], floor: [f32; 2]) -> Self {
-        let length = line.windows(2).map(|w| w[0].distance(w[1])).sum();
-        Self { line, length, half_width: 0.5 * widest, narrowest, floor }
+    fn from_line(line: Vec<LinePoint>, [narrowest, widest]: [f32; 2]) -> Self {
+        let length = line.windows(2).map(|w| w[0].at.distance(w[1].at)).sum();
+        Self { line, length, half_width: 0.5 * widest, narrowest }
     }
 
     /// Mouth at an end, and the unit vector out of it.
-    fn mouth(&self, is_second: bool) -> (Vec2, Vec2) {
+    fn mouth(&self, is_second: bool) -> (LinePoint, Vec2) {
         let last = self.line.len() - 1;
         // The direction of the last half metre or so, as walls end raggedly.
         let back = 5.min(last);
         let (end, before) =
             if is_second { (self.line[last], self.line[last - back]) } else { (self.line[0], self.line[back]) };
-        (end, (end - before).normalize_or_zero())
+        (end, (end.at - before.at).normalize_or_zero())
     }
 
-    /// Place on the middle line that is nearest, where one is beside the line and within the walls, and the unit vector
-    /// along it.
-    fn place_within(&self, at: Vec2) -> Option<(Vec2, Vec2)> {
+    /// Place on the middle line that is nearest, where one on a floor is beside the line and within the walls, and the unit
+    /// vector along it.
+    fn place_within(&self, at: Vec2, floor: [f32; 2]) -> Option<(Vec2, Vec2)> {
         let mut best = (self.half_width * self.half_width, None);
         for ends in self.line.windows(2) {
-            let nearest = nearest_on_segment(at, [ends[0], ends[1]]);
+            let nearest = nearest_on_segment(at, [ends[0].at, ends[1].at]);
             let square = at.distance_squared(nearest);
-            if square < best.0 {
-                best = (square, Some((nearest, [ends[0], ends[1]])));
+            if square < best.0 && is_one_floor(ends[0].floor, floor) {
+                best = (square, Some((nearest, [ends[0].at, ends[1].at])));
             }
         }
         let (nearest, [a, b]) = best.1?;
@@ -246,33 +256,37 @@ impl Passage {
         // Beyond the ends one is outside.
         let is_beyond = |is_second| {
             let (mouth, out) = self.mouth(is_second);
-            nearest == mouth && (at - mouth).dot(out) > 0.0
+            nearest == mouth.at && (at - mouth.at).dot(out) > 0.0
         };
         (!is_beyond(false) && !is_beyond(true)).then_some((nearest, along))
     }
 
-    fn holds(&self, at: Vec2) -> bool {
-        self.place_within(at).is_some()
+    fn holds(&self, at: Vec2, floor: [f32; 2]) -> bool {
+        self.place_within(at, floor).is_some()
     }
 
-    fn find_use(&self, number: usize, at: Vec2, aim: Vec2) -> Option<PassageUse> {
+    fn find_use(&self, number: usize, at: Vec2, aim: Vec2, floor: [f32; 2]) -> Option<PassageUse> {
         let way = aim - at;
         if way.length_squared() < 1e-6 {
             return None;
         }
         let narrowest = self.narrowest;
-        if let Some((mouth, along)) = self.place_within(at) {
+        if let Some((mouth, along)) = self.place_within(at, floor) {
             let towards = way.dot(along) >= 0.0;
             let out = if towards { -along } else { along };
             return Some(PassageUse { number, towards, is_inside: true, distance: 0.0, narrowest, mouth, out });
         }
-        let is_aimed_at = self.holds(aim);
+        let is_aimed_at = self.holds(aim, ALL_HEIGHTS);
         let mut best: Option<PassageUse> = None;
         for by_second in [false, true] {
-            let (mouth, out) = self.mouth(by_second);
+            let (LinePoint { at: mouth, floor: ground }, out) = self.mouth(by_second);
             let (off, toward) = (at - mouth, -way.dot(out));
             let (before, distance) = (off.dot(out), off.length());
-            if before <= 0.0 || distance > NEAR_M || best.is_some_and(|b| b.distance <= distance) {
+            if before <= 0.0
+                || distance > NEAR_M
+                || best.is_some_and(|b| b.distance <= distance)
+                || !is_one_floor(ground, floor)
+            {
                 continue;
             }
             // The straight way leads in, or the aim is there.
@@ -289,46 +303,48 @@ impl Passage {
     }
 }
 
-/// A narrow place, through which a passage is traced.
+/// Narrow places of some widths, through which passages are traced.
 struct NarrowGap<'a> {
     streets: &'a Streets,
-    /// Narrowest width, and that from which on there is room (m).
-    widths: [f32; 2],
-    /// Lowest and highest ground of the floor that it is on (m).
-    floor: [f32; 2],
+    /// Least width (m).
+    narrowest_m: f32,
+    /// Widths from which on there is room, and on stairs (m).
+    below_m: f32,
+    stairs_m: f32,
 }
 
 impl NarrowGap<'_> {
     /// Middle line from a narrow place on to the mouth; none where it ends before.
-    fn trace_to_mouth(&self, from: Vec2, along: Vec2, range: &mut [f32; 2]) -> Option<Vec<Vec2>> {
-        let [narrowest, wide] = self.widths;
-        let (mut at, mut along, mut line) = (from, along, Vec::new());
+    fn trace_to_mouth(&self, from: LinePoint, along: Vec2, range: &mut [f32; 2]) -> Option<Vec<LinePoint>> {
+        let (narrowest, farthest) = (self.narrowest_m, self.stairs_m);
+        let (LinePoint { mut at, mut floor }, mut along, mut line) = (from, along, Vec::new());
         while line.len() < MOST_POINTS {
             at += along * STEP_M;
-            let walls = self.walls_beside(at, along, wide);
-            let mut ahead_m = wide;
-            self.streets.visit_walls_near(at, narrowest, self.floor, |ends, radius| {
+            let walls = self.walls_beside(at, along, farthest, floor);
+            let mut ahead_m = farthest;
+            self.streets.visit_walls_near(at, narrowest, floor, |ends, radius, _| {
                 ahead_m = ahead_m.min(nearest_on_segment(at, ends).distance(at) - radius);
             });
             if ahead_m < 0.4 * narrowest {
                 return None;
             }
             let Some(walls) = walls else {
-                line.push(at);
+                line.push(LinePoint { at, floor });
                 return Some(line);
             };
+            floor = walls.floor;
             let width = walls.left_m + walls.right_m;
             if width < narrowest {
                 return None;
             }
-            if width >= wide {
-                line.push(at);
+            if width >= if walls.has_stairs { self.stairs_m } else { self.below_m } {
+                line.push(LinePoint { at, floor });
                 return Some(line);
             }
             *range = [range[0].min(width), range[1].max(width)];
             let left = along.perp();
             at += left * (0.5 * (walls.left_m - walls.right_m)).clamp(-STEP_M, STEP_M);
-            line.push(at);
+            line.push(LinePoint { at, floor });
             let turned = -walls.across.perp();
             along = (along + if turned.dot(along) < 0.0 { -turned } else { turned }).normalize_or(along);
         }
@@ -336,22 +352,31 @@ impl NarrowGap<'_> {
     }
 
     /// Walls on both sides of a way, within a distance; none where one is missing.
-    fn walls_beside(&self, at: Vec2, along: Vec2, within: f32) -> Option<WallsBeside> {
+    fn walls_beside(&self, at: Vec2, along: Vec2, within: f32, floor: [f32; 2]) -> Option<WallsBeside> {
         let left = along.perp();
-        let mut sides = [(within, None); 2];
-        self.streets.visit_walls_near(at, within, self.floor, |[a, b], radius| {
+        let (mut sides, mut has_stairs) = ([(within, None); 2], false);
+        self.streets.visit_walls_near(at, within, floor, |[a, b], radius, floor| {
             let off = nearest_on_segment(at, [a, b]) - at;
             let distance = off.length();
             if off.dot(along).abs() <= BESIDE * distance {
+                has_stairs |= is_stairs(floor);
                 let side = &mut sides[usize::from(off.dot(left) < 0.0)];
                 if distance - radius < side.0 {
-                    *side = (distance - radius, Some(off));
+                    *side = (distance - radius, Some((off, floor)));
                 }
             }
         });
-        let [(left_m, Some(to_left)), (right_m, Some(to_right))] = sides else { return None };
-        Some(WallsBeside { left_m, right_m, across: (to_left - to_right).normalize_or(left) })
+        let [(left_m, Some((to_left, one))), (right_m, Some((to_right, other)))] = sides else { return None };
+        let floor = [one[0].min(other[0]), one[1].max(other[1])];
+        Some(WallsBeside { left_m, right_m, across: (to_left - to_right).normalize_or(left), floor, has_stairs })
     }
+}
+
+/// True between the lowest and highest ground beside stairs, or a ramp (m).
+fn is_stairs([low, high]: [f32; 2]) -> bool {
+    // It is infinite on ground of one floor, without heights.
+    let rise_m = high - low;
+    rise_m > STAIRS_M && rise_m.is_finite()
 }
 
 /// Joins passages at mouths so near to each other that nobody can wait in between; where more than two meet, none are joined.
@@ -359,7 +384,7 @@ fn join_passages(all: &mut Vec<Passage>, near_m: f32) {
     while let Some(junction) = find_junction(all, near_m) {
         let [(first, first_end), (other, other_end)] = junction;
         let next = all.remove(other);
-        let Passage { mut line, half_width, narrowest, floor, .. } = all[first].clone();
+        let Passage { mut line, half_width, narrowest, .. } = all[first].clone();
         if !first_end {
             line.reverse();
         }
@@ -369,23 +394,22 @@ fn join_passages(all: &mut Vec<Passage>, near_m: f32) {
         } else {
             line.extend(ahead)
         }
-        let floor = [floor[0].min(next.floor[0]), floor[1].max(next.floor[1])];
         let widths = [narrowest.min(next.narrowest), 2.0 * half_width.max(next.half_width)];
-        all[first] = Passage::from_line(line, widths, floor);
+        all[first] = Passage::from_line(line, widths);
     }
 }
 
 /// Two passages with the ends at which they meet; the first one has the smaller number.
 fn find_junction(all: &[Passage], near_m: f32) -> Option<[(usize, bool); 2]> {
     let mouth = |(number, end): (usize, bool)| all[number].mouth(end).0;
+    let gap = |[one, two]: &[(usize, bool); 2]| {
+        let [one, two] = [mouth(*one), mouth(*two)];
+        if is_one_floor(one.floor, two.floor) { one.at.distance(two.at) } else { f32::INFINITY }
+    };
     let ends = |number: usize| [(number, false), (number, true)];
     for other in 0..all.len() {
         for first in 0..other {
-            if !is_one_floor(all[first].floor, all[other].floor) {
-                continue;
-            }
             let pairs = ends(first).into_iter().flat_map(|one| ends(other).map(|two| [one, two]));
-            let gap = |[one, two]: &[(usize, bool); 2]| mouth(*one).distance(mouth(*two));
             let Some(pair) = pairs.min_by(|a, b| gap(a).total_cmp(&gap(b))) else { continue };
             let is_near = |number: usize| ends(number).iter().any(|end| gap(&[pair[0], *end]) < near_m);
             let mut others = (0..all.len()).filter(|&third| third != first && third != other);

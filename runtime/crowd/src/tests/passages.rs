@@ -98,3 +98,42 @@ fn three_meet_three_in_a_passage() {
         assert!(left == 0 && deepest < 0.0, "{left} of 6 are left");
     }
 }
+
+#[test]
+fn stairs_and_a_narrow_bridge_between_them_are_one_passage() {
+    // Stairs 2 m wide, of 6 m each, a bridge of 8 m between them, and a wall on the ground below it.
+    let narrow = stairs_and_bridge(1.2);
+    assert_eq!(narrow.len(), 1);
+    let is_inside = |at: Vec3| {
+        let found = narrow.find_use(Vec2::new(at.x, at.z), Vec2::new(30.0, 0.0), at.y);
+        found.is_some_and(|found| found.is_inside)
+    };
+    let places = [[-8.0, 1.0, 0.0], [-4.0, 3.0, 0.0], [0.0, 3.0, 0.0], [7.0, 1.5, 0.5]];
+    assert_eq!(places.map(|at| is_inside(Vec3::from(at))), [true; 4]);
+    assert!(!is_inside(Vec3::ZERO), "below the bridge");
+    assert_eq!(stairs_and_bridge(2.0).len(), 0, "two meet on stairs as wide as these");
+}
+
+/// Passages of stairs with a bridge of a width (m) between them.
+fn stairs_and_bridge(width: f32) -> Passages {
+    let mut walls = vec![([Vec3::new(-4.0, 0.0, -1.0), Vec3::new(-4.0, 0.0, 1.0)], [0.0, 0.0])];
+    for side in [-1.0f32, 1.0] {
+        let mut add = |[from, to]: [[f32; 3]; 2]| {
+            for x in [-1.0, 1.0] {
+                let at = |[along, y, z]: [f32; 3]| Vec3::new(x * along, y, side * z);
+                walls.push(([at(from), at(to)], [from[1].min(to[1]), from[1].max(to[1])]));
+            }
+        };
+        let half = 0.5 * width;
+        add([[0.0, 3.0, half], [4.0, 3.0, half]]);
+        add([[4.0, 3.0, half], [4.0, 3.0, 1.0]]);
+        for k in 0..6 {
+            let (x, y) = (4.0 + k as f32, 3.0 - 0.5 * k as f32);
+            add([[x, y, 1.0], [x + 1.0, y - 0.5, 1.0]]);
+        }
+    }
+    let solid: Vec<Obstacle> =
+        walls.iter().map(|([from, to], _)| Obstacle::Wall { from: *from, to: *to, radius: 0.0 }).collect();
+    let streets = Streets::of_level(&solid, walls.iter().map(|(_, floor)| *floor).collect(), 0.4).unwrap();
+    Passages::find_below(&streets, 0.4, &[1.76], 3.5)
+}

@@ -456,7 +456,8 @@ impl Streets {
         doors.is_some_and(|d| through || d & self.closed == 0)
     }
 
-    /// Calls `visit` for the edges of all that stands near a place, doors left out, with their radii (m).
+    /// Calls `visit` for the edges of all that stands near a place, doors left out, with their radii, and the lowest and highest
+    /// ground there (m).
     ///
     /// - `floor`: lowest and highest ground of the floor that they stand on (m).
     pub(crate) fn visit_walls_near(
@@ -464,11 +465,11 @@ impl Streets {
         at: Vec2,
         within: f32,
         floor: [f32; 2],
-        mut visit: impl FnMut([Vec2; 2], f32),
+        mut visit: impl FnMut([Vec2; 2], f32, [f32; 2]),
     ) {
         self.edges.visit_near(at, within, |ends, radius, outline| {
             if self.doors[outline] == 0 && self.is_on_floor(outline, floor) {
-                visit(ends, radius);
+                visit(ends, radius, self.floors.get(outline).copied().unwrap_or(ALL_HEIGHTS));
             }
         });
     }
@@ -488,7 +489,7 @@ impl Streets {
             let own = if let ObstacleOutline::Wall { radius, .. } = outline { *radius } else { 0.0 };
             for corner in outline.corners() {
                 let mut gaps = Vec::new();
-                self.visit_walls_near(corner, own + widest, floor, |ends, radius| {
+                self.visit_walls_near(corner, own + widest, floor, |ends, radius, _| {
                     let (across, distance) =
                         Space::unit_and_length(throng_geometry::nearest_on_segment(corner, ends) - corner);
                     let width = distance - own - radius;
