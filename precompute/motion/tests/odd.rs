@@ -67,6 +67,78 @@ fn travel(of: &ImportedClip, hips: usize) -> Vec3 {
     to - from
 }
 
+/// The cycle of a walk whose ends are most alike, made to meet there.
+fn cut_cycle(source: &SourceClip, joints: &[usize]) -> SourceClip {
+    let (clip, n) = (&source.clip, source.clip.joints.len());
+    let step = (clip.rate_hz / 30.0).round() as usize;
+    let pose = |f: usize, j: usize| clip.rotations[f * n + j];
+    let apart = |a: usize, b: usize| joints.iter().map(|&j| pose(a, j).angle_between(pose(b, j))).sum::<f32>();
+    let frames = |s: f64| (s * clip.rate_hz) as usize;
+    let (mut best, last) = ((f32::INFINITY, 0, 0), clip.num_frames - 1 - step);
+    for from in (frames(0.3)..last).step_by(step) {
+        for to in (from + frames(0.8)..(from + frames(1.6)).min(last)).step_by(step) {
+            let gap = apart(from, to) + apart(from + step, to + step);
+            best = if gap < best.0 { (gap, from, to) } else { best };
+        }
+    }
+    let (_, from, to) = best;
+    let mut out = source.clone();
+    let closed = |at: usize| {
+        let (f, j) = (at / n - from, at % n);
+        let onto = if joints.contains(&j) { pose(to, j).inverse() * pose(from, j) } else { Quat::IDENTITY };
+        (clip.rotations[at] * Quat::IDENTITY.slerp(onto, f as f32 / (to - from) as f32)).normalize()
+    };
+    out.clip.num_frames = to - from + 1;
+    out.clip.rotations = (from * n..(to + 1) * n).map(closed).collect();
+    out.clip.translations = clip.translations[from * n..(to + 1) * n].to_vec();
+    out
+}
+
+#[test]
+fn loops_of_a_cycle_are_played_until_they_hold_whole_steps() {
+    let profiles = load_profiles(&[]).unwrap();
+    let (mut loops, mut missed, mut still, mut taken, mut ratios) = (0, Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for path in expand(&Vec::from_iter(recording("bandai-1"))).unwrap() {
+        let source = read_source(&path, None).unwrap().swap_remove(0);
+        let whole = read(source.clone(), &profiles);
+        let is_loop = |i: &ImportedClip| i.findings.iter().any(|f| f.contains("a loop of"));
+        // Some captured clips are cycles that were cut, and end exactly as they begin.
+        let is_exact = whole.findings.iter().any(|f| f.contains("whose ends are 0.0 deg"));
+        if is_loop(&whole) && !is_exact {
+            taken.push(whole.clip.name.clone());
+        }
+        let name = &whole.clip.name;
+        if !["walk", "run"].iter().any(|w| name.contains(w)) || source.clip.num_frames < 60 {
+            continue;
+        }
+        loops += 1;
+        let joints: Vec<usize> =
+            (0..source.clip.joints.len()).filter(|&j| source.clip.joints[j].parent.is_some()).collect();
+        let cycle = cut_cycle(&source, &joints);
+        let hips = whole.roles.get(Joint::Hips).unwrap();
+        let goes = read(cycle.clone(), &profiles);
+        let as_it_is =
+            interpret(cycle.clone(), &ImportConfig { loops: false, ..Default::default() }, &profiles).unwrap();
+        let mut treadmill = cycle;
+        put_in_place(&mut treadmill, hips, None);
+        let stays = read(treadmill, &profiles);
+        if !is_loop(&goes) || !is_loop(&stays) {
+            missed.push(name.clone());
+        } else if told(&stays, "got root motion").is_none() {
+            still.push(name.clone());
+        } else {
+            let mps = |i: &ImportedClip| travel(i, hips).length() / (i.clip.num_frames - 1) as f32;
+            ratios.push([mps(&goes) / mps(&as_it_is), mps(&stays) / mps(&as_it_is)]);
+        }
+    }
+    println!("{loops} loops; missed {missed:?}; without root motion {still:?}; taken {taken:?}");
+    println!("speeds over those of a cycle: {ratios:.2?}");
+    assert!(missed.len() * 5 <= loops && still.len() * 10 <= loops && taken.is_empty());
+    assert!(ratios.iter().all(|[goes, _]| (0.97..1.03).contains(goes)), "{ratios:?}");
+    let of_planted_feet = ratios.iter().filter(|[_, stays]| (0.8..1.25).contains(stays)).count();
+    assert!(of_planted_feet * 10 >= ratios.len() * 9, "{ratios:?}");
+}
+
 /// Turns all joints by chance, by so much in each frame.
 fn shake(source: &mut SourceClip, deg: f32) {
     let mut state = 7u64;

@@ -164,10 +164,12 @@ impl fmt::Display for FolderReport {
             };
             let ClipReport { duration_s, rate_hz, metres_per_unit, up, height_m, joints, profile, .. } = c;
             let classes = describe(&c.classes, ToString::to_string);
+            let repeated = c.findings.iter().find(|f| f.starts_with("a loop of"));
+            let repeated = repeated.map_or_else(String::new, |f| format!("; {f}"));
             writeln!(
                 f,
                 "{:width$}  {duration_s:6.1} s  {rate_hz:5.1} Hz  {metres_per_unit:.4} m/unit  {up} up  {height_m:.2} m, \
-                 {joints} joints, {profile}; {classes}  {}{why}",
+                 {joints} joints, {profile}; {classes}{repeated}  {}{why}",
                 line.file, line.verdict
             )?;
         }

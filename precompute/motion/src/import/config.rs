@@ -69,6 +69,8 @@ pub struct ImportConfig {
     pub glitches: Glitches,
     /// True: walks on the spot get root motion from their planted feet. False: they stay there, and slide.
     pub root_motion: bool,
+    /// True: loops of a cycle or two that step are repeated. False: they stay as short as they are.
+    pub loops: bool,
     /// True: one bad file stops the build. False: it is named, skipped and counted.
     pub strict: bool,
 }
@@ -85,6 +87,7 @@ impl Default for ImportConfig {
             profiles: Vec::new(),
             glitches: Glitches::default(),
             root_motion: true,
+            loops: true,
             strict: false,
         }
     }

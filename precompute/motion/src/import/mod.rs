@@ -353,6 +353,9 @@ pub fn interpret(
     let at = |f: usize| glitches.partition_point(|g| g.frames.end <= f);
     let is_motion = |f: &usize| glitches.get(at(*f)).is_none_or(|g| !g.frames.contains(f));
     person::check_place(&clip, &roles, (0..clip.num_frames).filter(is_motion))?;
+    if config.loops && glitches.is_empty() {
+        findings.extend(oddities::unroll_loop(&mut clip, &roles));
+    }
     oddities::treat_oddities(&mut clip, &roles, config.root_motion, &mut warnings);
     let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
     findings.push(rest_pose.sentence.clone());

@@ -1,11 +1,13 @@
 //! Oddities of a person's motion as a whole, which deserve a warning before anything is built of it.
 
 mod in_place;
+mod loops;
 
 use super::roles::RoleMap;
 use crate::error::Warnings;
 use crate::raw::RawClip;
 use glam::{Quat, Vec2, Vec3};
+pub(super) use loops::unroll_loop;
 use throng_base::maths;
 use throng_base::maths::quantile;
 use throng_base::thresholds::WALKING_MPS;
