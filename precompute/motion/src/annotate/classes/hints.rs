@@ -52,6 +52,8 @@ pub struct NameHints {
     pub carry: bool,
     /// Idles or stands.
     pub idle: bool,
+    /// Bows, waves or shows something.
+    pub gesture: bool,
     /// The manner: empty where the name says that it is none, `None` where it says nothing.
     pub manner: Option<String>,
     /// Parts of the class that hold whatever the motion shows.
@@ -77,6 +79,7 @@ impl NameHints {
             seat: any(&["sit", "seat", "chair"]),
             carry: any(&["carry", "carries", "carried"]) || exactly(&["hold", "holding"]),
             idle: any(&["idle", "idling", "stand"]) || exactly(&["rest", "wait", "waiting"]),
+            gesture: any(&["bow", "wav", "bye", "call", "clap", "point", "guid", "greet"]),
             manner: manner(&words),
             named: NamedClass::default(),
         }

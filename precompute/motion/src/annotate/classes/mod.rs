@@ -10,6 +10,7 @@ pub use throng_core::format::{ClassSpan, Gait, MotionClass, Posture};
 
 use crate::clip::{Clip, FrameRange};
 use signals::Signals;
+use throng_base::maths::quantile;
 use throng_base::thresholds::{NAMED_IDLE_MOVES_MPS, RUNS_MPS, STANDING_MPS, SURELY_RUNS_MPS, WALKING_MPS};
 use throng_core::Skeleton;
 
@@ -17,7 +18,7 @@ use throng_core::Skeleton;
 const SHORTEST_S: f64 = 0.4;
 /// Shortest span of carrying (s).
 const CARRYING_S: f64 = 0.8;
-/// Shortest span of standing neutral (s).
+/// Shortest span of standing neutral, and of a gesture without a bow (s).
 const NEUTRAL_S: f64 = 0.5;
 /// Distance below which a body that moves stays where it is: it sways, or shifts its weight (m).
 const SWAY_M: f32 = 0.45;
@@ -35,8 +36,11 @@ const BEHIND: f32 = 0.33;
 /// Lean of the trunk from which a low body lies or crawls (degrees).
 const LEVEL_DEG: f32 = 50.0;
 /// Arms, trunk and hips of neutral standing: angle of the arms from straight down, lean (degrees), speed of the hands
-/// relative to the hips (m/s), height of the hips, distance of the feet (m). By names: unknown, idle.
-const NEUTRAL: [[f32; 5]; 2] = [[40.0, 30.0, 0.35, 0.88, 0.55], [60.0, 40.0, 0.6, 0.8, 0.7]];
+/// relative to the hips (m/s), height of the hips, distance of the feet (m). By names: unknown, idle, gesture.
+const NEUTRAL: [[f32; 5]; 3] =
+    [[40.0, 30.0, 0.35, 0.88, 0.55], [60.0, 40.0, 0.6, 0.8, 0.7], [30.0, 30.0, 0.3, 0.88, 0.55]];
+/// Lean beyond that of upright standing in the clip from which it is a bow (degrees).
+const BOW_DEG: f32 = 12.0;
 /// Change of the distance between hands below which they hold one load (m).
 const HELD_M: f32 = 0.014;
 /// Bend of the elbows from which hands hold something, and how far they are ahead of the chest (degrees, m).
@@ -48,6 +52,11 @@ pub const HELD_OTHERWISE: [&str; 3] = ["bent", "arms-out", "low"];
 /// Manner of motion that its name gives; empty where motion alone tells one.
 pub fn named_manner(manner: &str) -> &str {
     if HELD_OTHERWISE.contains(&manner) { "" } else { manner }
+}
+
+/// True for a gait that goes somewhere.
+pub fn goes_somewhere(class: &MotionClass) -> bool {
+    !matches!(class.gait, Gait::Stand | Gait::Other)
 }
 
 /// Class of one frame, before its manner is known.
@@ -78,15 +87,19 @@ pub fn classify(clip: &Clip, skeleton: &Skeleton, hints: &NameHints) -> Vec<Clas
         }
     }
     named.gait.iter().for_each(|named| gaits.fill(*named));
-    let mut neutral: Vec<bool> = (0..n)
-        .map(|f| {
-            gaits[f] == Gait::Stand
-                && postures[f] == Posture::Upright
-                && s.is_at_rest(f, NEUTRAL[usize::from(hints.idle)])
-        })
-        .collect();
+    let stands = |f: &usize| gaits[*f] == Gait::Stand && postures[*f] == Posture::Upright;
+    // Old and tired people stand bent all the time.
+    let usual_deg = quantile((0..n).filter(stands).map(|f| s.lean_deg[f]), [1, 8]).unwrap_or_default();
+    let limits = NEUTRAL[if hints.gesture { 2 } else { usize::from(hints.idle) }];
+    // A walk on the spot is no rest, whatever its hips do.
+    let steps = (hints.walk || hints.run) && !hints.idle && !moves.contains(&true);
+    let mut neutral: Vec<bool> = (0..n).map(|f| stands(&f) && !steps && s.is_at_rest(f, limits)).collect();
     let mut carrying: Vec<bool> = (0..n).map(|f| carries(&s, f, hints)).collect();
     absorb_short_runs(&mut neutral, frames(NEUTRAL_S));
+    neutral.iter_mut().zip(&s.lean_deg).for_each(|(neutral, deg)| *neutral &= hints.idle || deg - usual_deg < BOW_DEG);
+    for run in runs_of(n, |f| neutral[f]).into_iter().filter(|r| r.len() < frames(NEUTRAL_S).min(n)) {
+        neutral[run].fill(false);
+    }
     absorb_short_runs(&mut carrying, frames(CARRYING_S));
     named.neutral.iter().for_each(|named| neutral.fill(*named));
     named.carrying.iter().for_each(|named| carrying.fill(*named));

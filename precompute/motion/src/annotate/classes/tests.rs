@@ -56,12 +56,44 @@ fn raised_arms_are_a_gesture_and_not_neutral() {
 }
 
 #[test]
+fn bows_are_gestures_and_who_stands_bent_all_the_time_is_neutral() {
+    // Bends for a second at the end, and for less than half a second before.
+    let bends_named = |name: &str, deg: [f32; 3]| {
+        let mut clip = clip(name, &[[0.0, 0.0]; 3], 0.0);
+        for f in 0..180 {
+            let deg = deg[if f >= 130 && f < 160 { 2 } else { usize::from((80..92).contains(&f)) }];
+            clip.rotations[f * NUM_JOINTS + Joint::Spine.index()] = Quat::from_rotation_x(deg.to_radians());
+        }
+        classes(&clip).iter().map(|s| s.class.neutral).collect::<Vec<_>>()
+    };
+    let bends = |deg: [f32; 3]| bends_named("a", deg);
+    assert_eq!(bends_named("idle_03", [0.0, 28.0, 28.0]), [true]);
+    assert_eq!(bends([0.0, 28.0, 28.0]), [true, false, true, false, true]);
+    assert_eq!(bends([22.0, 22.0, 22.0]), [true]);
+    assert_eq!(bends([15.0, 22.0, 8.0]), [true]);
+}
+
+#[test]
+fn names_of_gestures_leave_less_standing_neutral() {
+    let raised = |name| {
+        let mut clip = clip(name, &[[0.0, 0.0]; 3], 0.0);
+        for f in 60..120 {
+            clip.rotations[f * NUM_JOINTS + Joint::RightUpperArm.index()] = Quat::from_rotation_z(0.95);
+        }
+        classes(&clip).iter().map(|s| s.class.neutral).collect::<Vec<_>>()
+    };
+    assert_eq!((raised("a"), raised("bye-bye_03")), (vec![true], vec![true, false, true]));
+}
+
+#[test]
 fn names_give_the_manner_and_tip_the_balance() {
     assert_eq!(classes(&clip("walk_sad", &[[0.0, 1.0]; 2], 0.0))[0].class.manner, "sad");
     let sways = [[0.0, 0.5]; 2];
     assert_eq!(classes(&clip("idle_03", &sways, 0.0))[0].class.gait, Gait::Stand);
     assert_eq!(classes(&clip("03", &sways, 0.0))[0].class.gait, Gait::Walk);
     assert_eq!(classes(&clip("sneak", &sways, 0.0))[0].class.gait, Gait::Sneak);
+    let stays = |name| classes(&clip(name, &[[0.0, 0.0]; 2], 0.0))[0].class.neutral;
+    assert_eq!(["03", "walk_idle", "walk"].map(stays), [true, true, false]);
 }
 
 #[test]
