@@ -1,10 +1,11 @@
 //! Locomotion abilities that motion contains: walking, stopping, turning to both sides.
 
-use crate::frames::runs;
+use crate::frames::{of_classes, runs};
 use std::f64::consts::PI;
 use throng_base::thresholds::{STANDING_MPS_F64, WALKING_MPS};
 use throng_core::format::ClipRecord;
 use throng_core::{Bundle, Planar};
+use throng_motion::annotate::classes::goes_somewhere;
 use throng_motion::clip::{ClipSet, runs_where};
 
 /// Shortest time that counts as standing (s).
@@ -56,7 +57,8 @@ impl Abilities {
         for clip in set.clips.iter().filter(|c| !c.mirrored) {
             out.blows += clip.hits.len();
             for run in clip.usable_ranges() {
-                out.add(&run.map(|f| clip.planar(f)).collect::<Vec<_>>(), clip.rate_hz);
+                let goes: Vec<bool> = run.clone().map(|f| clip.class_at(f).is_none_or(goes_somewhere)).collect();
+                out.add(&run.map(|f| clip.planar(f)).collect::<Vec<_>>(), &goes, clip.rate_hz);
             }
         }
         out
@@ -75,21 +77,24 @@ impl Abilities {
         let is_original =
             |frame: u32| clips[clips.partition_point(|c| c.first_frame <= frame).saturating_sub(1)].mirrored == 0;
         out.blows = tables.hits().iter().filter(|h| is_original(h.frame) && counts(h.frame as usize)).count();
+        let goes = of_classes(tables, true, goes_somewhere);
         let root = |f: usize| Planar::from_array(tables.frames()[f].planar);
         for run in runs(tables).into_iter().filter(|r| is_original(r.start)) {
             for run in runs_where(run.start as usize..run.end as usize, &counts) {
-                out.add(&run.map(root).collect::<Vec<_>>(), rate_hz);
+                out.add(&run.clone().map(root).collect::<Vec<_>>(), &goes[run], rate_hz);
             }
         }
         out
     }
 
     /// Adds a run of usable frames.
-    fn add(&mut self, roots: &[Planar], rate_hz: f64) {
+    ///
+    /// - `goes`: false in bows and the like, in which the hips swing, but nobody walks (roots.len()).
+    fn add(&mut self, roots: &[Planar], goes: &[bool], rate_hz: f64) {
         let frames = |s: f64| (s * rate_hz).round().max(1.0) as usize;
         let velocities = ground_velocities(roots, frames(0.5 * SPEED_S), rate_hz);
         let speeds: Vec<f64> = velocities.iter().map(|[x, z]| x.hypot(*z)).collect();
-        let walks = |f: usize| speeds[f] >= f64::from(WALKING_MPS);
+        let walks = |f: usize| goes[f] && speeds[f] >= f64::from(WALKING_MPS);
         let backwards = |f: usize| {
             let (sin, cos) = f64::from(roots[f].heading).sin_cos();
             velocities[f][0] * sin + velocities[f][1] * cos < BACKWARDS * speeds[f]
@@ -232,8 +237,8 @@ mod tests {
     }
 
     fn of(parts: &[(f32, f32, f32)]) -> Abilities {
-        let mut out = Abilities::default();
-        out.add(&course(parts), 30.0);
+        let (mut out, course) = (Abilities::default(), course(parts));
+        out.add(&course, &vec![true; course.len()], 30.0);
         out
     }
 
@@ -245,6 +250,17 @@ mod tests {
         assert!((a.turn_left_deg_per_s - 60.0).abs() < 1.0 && (a.turn_right_deg_per_s - 70.0).abs() < 1.0, "{a:?}");
         assert!((a.fastest_mps - 1.2).abs() < 0.02);
         assert!(a.missing(false).is_empty(), "{:?}", a.missing(false));
+    }
+
+    #[test]
+    fn hips_that_swing_in_a_bow_neither_start_nor_stop() {
+        let course = course(&[(1.0, 0.0, 0.0), (0.5, -0.9, 0.0), (1.0, 0.0, 0.0), (0.5, 0.9, 0.0), (1.0, 0.0, 0.0)]);
+        let counted = |goes| {
+            let mut out = Abilities::default();
+            out.add(&course, &vec![goes; course.len()], 30.0);
+            (out.starts, out.stops, out.walking_s > 0.5)
+        };
+        assert_eq!((counted(true), counted(false)), ((2, 2, true), (0, 0, false)));
     }
 
     #[test]

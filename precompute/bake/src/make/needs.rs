@@ -9,7 +9,7 @@ use throng_base::maths::{self, quantile};
 use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 use throng_core::format::Gait;
 use throng_core::planar::wrap_angle;
-use throng_motion::annotate::classes::named_manner;
+use throng_motion::annotate::classes::{goes_somewhere, named_manner};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
 
 /// Fewest standing states of a graph in which people can stand.
@@ -235,7 +235,9 @@ fn count_changes(clip: &Clip, run: &FrameRange, stand_s: f64) -> [usize; 5] {
     };
     let mut stands = runs_where(run.clone(), |f| speed(f) < STANDING_MPS);
     stands.retain(|r| r.len() >= frames(stand_s));
-    let walks = |mut range: FrameRange| range.any(|f| speed(f) > WALKING_MPS);
+    // Hips swing in bows.
+    let goes = |f: usize| speed(f) > WALKING_MPS && clip.class_at(f).is_none_or(goes_somewhere);
+    let walks = |mut range: FrameRange| range.any(goes);
     let near = frames(START_S);
     let starts = stands.iter().filter(|r| walks(r.end..(r.end + near).min(run.end))).count();
     let stops = stands.iter().filter(|r| walks(r.start.saturating_sub(near).max(run.start)..r.start)).count();
@@ -249,7 +251,6 @@ fn count_changes(clip: &Clip, run: &FrameRange, stand_s: f64) -> [usize; 5] {
     let is_quick = |&&(angle, over): &&(f32, usize)| over < frames(f64::from(angle / QUICK_TURN.0) + QUICK_TURN.1);
     let over = frames(PIVOT.1);
     let heading = |f: usize| clip.planar(f).heading;
-    let goes = |f: usize| speed(f) > WALKING_MPS;
     let (mut pivots, mut f) = (0, run.start);
     while f + over < run.end {
         let is_pivot = goes(f) && goes(f + over) && wrap_angle(heading(f + over) - heading(f)).abs() > PIVOT.0;
