@@ -7,7 +7,7 @@ use throng_base::maths::quantile;
 use throng_base::thresholds::WALKING_MPS;
 use throng_core::format::{Gait, MotionClass, Posture};
 use throng_core::{Contacts, Joint, Skeleton};
-use throng_motion::annotate::classes::HELD_OTHERWISE;
+use throng_motion::annotate::classes::{HELD_OTHERWISE, named_manner};
 use throng_motion::clip::{Exclusion, ExclusionReason, FrameRange, joint_transforms, runs_where};
 
 /// Phases of a cycle over which a carriage is averaged.
@@ -50,8 +50,7 @@ impl SpaceClass {
 
     /// True for a stand of this class, or one in no special manner.
     fn allows_stand(&self, stand: &MotionClass) -> bool {
-        let manner = [&self.manner, &stand.manner];
-        let fits = manner[0] == manner[1] || manner.iter().any(|m| m.is_empty());
+        let fits = stand.manner.is_empty() || named_manner(&self.manner) == stand.manner;
         fits && (self.posture, self.carrying) == (stand.posture, stand.carrying)
     }
 
@@ -66,7 +65,7 @@ impl SpaceClass {
 /// Names of clips and reasons why nothing was taken from them.
 pub type Refusals = BTreeMap<String, String>;
 
-/// Sorts candidates by class, the space with most of them first; upright ones in no special manner count twice.
+/// Sorts candidates by class: upright ones in no special manner, then the space with most of them.
 ///
 /// - `refused`: collects clips whose cycles are no steady gait ahead.
 pub fn sort_by_class<'a>(
@@ -95,8 +94,7 @@ pub fn sort_by_class<'a>(
         }
     }
     let mut sorted: Vec<_> = sorted.into_iter().collect();
-    let weight = |(class, of): &(SpaceClass, Vec<_>)| of.len() * if class.words().is_empty() { 2 } else { 1 };
-    sorted.sort_by_key(|s| std::cmp::Reverse(weight(s)));
+    sorted.sort_by_key(|(class, of)| std::cmp::Reverse((class.words().is_empty(), of.len())));
     sorted
 }
 
@@ -261,5 +259,20 @@ impl UsualCarriage {
             (carriage.calm > CALM && self.differs(&carriage).is_none()).then_some((odd, (source, cycle)))
         });
         cycles.min_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stands_are_of_the_manner_of_the_walks_or_of_none() {
+        let class = |manner: &str| MotionClass { manner: manner.into(), ..MotionClass::default() };
+        let allows = |walk: &str, stand: &str| SpaceClass::from_motion(&class(walk)).allows_stand(&class(stand));
+        assert!(allows("", "") && allows("sad", "sad") && allows("sad", "") && allows("bent", ""));
+        assert!(!allows("", "sad") && !allows("happy", "sad") && !allows("bent", "sad"));
+        let crouched = MotionClass { posture: Posture::Crouched, ..class("") };
+        assert!(!SpaceClass::from_motion(&class("")).allows_stand(&crouched));
     }
 }

@@ -303,8 +303,8 @@ fn alike_spaces(name: &str, config: &BlendConfig, clips: &ClipSet, out: &mut Ble
     }
     for (class, of) in sorted {
         let words = class.words();
-        let own = if words.is_empty() { format!("{name}-plain") } else { format!("{name}-{words}") };
-        let made_as = if out.spaces.iter().any(|s| s.name == name) { own.as_str() } else { name };
+        let own = format!("{name}-{words}");
+        let made_as = if out.spaces.is_empty() || words.is_empty() { name } else { own.as_str() };
         match alike_space(made_as, config, (&class, of), &sources, &clips.skeleton, refused.clone()) {
             Ok((space, report)) => {
                 out.spaces.push(space);
@@ -318,7 +318,7 @@ fn alike_spaces(name: &str, config: &BlendConfig, clips: &ClipSet, out: &mut Ble
     Ok(())
 }
 
-/// Makes the space of one class; while it is poor, the least usual example is left out.
+/// Makes the space of one class, with a stand if it is as good with it.
 fn alike_space<'a>(
     name: &str,
     config: &BlendConfig,
@@ -330,16 +330,33 @@ fn alike_space<'a>(
     let usual = UsualCarriage::keep_usual(&mut of, skeleton, &mut refused);
     let mut config = config.clone();
     config.axes = alike::keep_wide_axes(&config.axes, &mut of);
-    if let Some((source, cycle)) = usual.and_then(|usual| usual.standing(sources, class, skeleton)) {
+    let stand = usual.and_then(|usual| usual.standing(sources, class, skeleton)).map(|(source, cycle)| {
         let (name, parameters) = (source.clip.name.clone(), vec![0.0; config.axes.len()]);
-        of.insert(0, ExampleCandidate { name, source, cycle, parameters, named: true });
-    }
+        ExampleCandidate { name, source, cycle, parameters, named: true }
+    });
+    let with = |stand: Option<ExampleCandidate<'a>>| {
+        thinned_space(name, &config, stand.into_iter().chain(of.clone()).collect(), skeleton, &refused)
+    };
+    let is_good = |made: &Result<(_, BlendReport)>| made.as_ref().is_ok_and(|m| m.1.quality.word == BLEND_WORDS[0]);
+    let [first, second] = [stand.clone(), None].map(with);
+    Ok(if is_good(&first) || first.is_ok() && !is_good(&second) { first? } else { second? })
+}
+
+/// Makes a space of alike examples; while it is poor, the least usual one is left out.
+fn thinned_space(
+    name: &str,
+    config: &BlendConfig,
+    mut of: Vec<ExampleCandidate<'_>>,
+    skeleton: &Skeleton,
+    refused: &Refusals,
+) -> Result<(RawBlendSpace, BlendReport)> {
     loop {
         let mut chosen = of.clone();
         let left_out = select::thin_out(&mut chosen, config.min_distance);
         let mut warnings = Warnings::default();
-        let (space, report) = assemble(name, &config, &chosen, left_out, skeleton, &[], &mut warnings)?;
+        let (space, report) = assemble(name, config, &chosen, left_out, skeleton, &[], &mut warnings)?;
         if report.quality.word != BLEND_WORDS[2] {
+            let mut refused = refused.clone();
             refused.retain(|clip, _| !chosen.iter().any(|c| c.original() == clip));
             return Ok((space, BlendReport { refused, ..report }));
         }
