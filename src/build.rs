@@ -191,6 +191,9 @@ pub fn print(r: &BuildReport, trial: Option<&TrialReport>, out: &str) -> Command
         );
         rows.push(("gestures", text));
     }
+    if let Some([carrying, all]) = g.mostly_carrying_s {
+        rows.push(("carrying", format!("too, as {carrying:.0} of {all:.0} s of upright walking carry a load")));
+    }
     if r.pose_groups > 0 {
         let frames = format!("{:.1} frames on average, {:.0} at most", r.group_frames.mean, r.group_frames.max);
         let diameters = format!("largest diameter {:.3}, threshold {}", r.max_group_diameter, r.group_threshold);

@@ -84,6 +84,7 @@ pub fn connect(
         apart,
         left_out: taken.left_out,
         scarce_neutral_s: taken.scarce_neutral_s,
+        mostly_carrying_s: taken.mostly_carrying_s,
         ..report::report(&graph, clips, events.len(), threshold)
     };
     if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {

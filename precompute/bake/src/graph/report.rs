@@ -60,6 +60,8 @@ pub struct GraphReport {
     pub apart: Vec<MotionApart>,
     /// Neutral and all upright standing, where so little of it is neutral that gestures are taken as well (s).
     pub scarce_neutral_s: Option<[f64; 2]>,
+    /// Upright motion with a load and all that goes, where so much of it carries one that it is taken as well (s).
+    pub mostly_carrying_s: Option<[f64; 2]>,
     /// Manners with too little motion to go and stand in them alone: people come to them and leave them unasked. Empty for
     /// motion of no manner.
     pub thin_manners: Vec<String>,
@@ -98,6 +100,7 @@ pub(super) fn report(graph: &RawMotionGraph, clips: &ClipSet, event_frames: usiz
         left_out: Vec::new(),
         apart: Vec::new(),
         scarce_neutral_s: None,
+        mostly_carrying_s: None,
         thin_manners: graph.manners.thin.clone(),
     }
 }

@@ -14,6 +14,8 @@ const SHORTEST_S: f64 = 0.3;
 const ENOUGH: f64 = 0.2;
 /// Share of upright standing that has to be neutral, so that gestures may stay out: else hardly anybody could stand.
 const NEUTRAL: f64 = 0.3;
+/// Share of the upright motion that goes somewhere from which loads are no exception, but how people go here.
+const MOSTLY: f64 = 0.5;
 /// Most clips that are named.
 pub(super) const MAX_NAMED_CLIPS: usize = 3;
 
@@ -94,16 +96,20 @@ pub(super) struct TakenFrames {
     pub left_out: Vec<MotionLeftOut>,
     /// Neutral and all upright standing, where so little of it is neutral that gestures are taken as well (s).
     pub scarce_neutral_s: Option<[f64; 2]>,
+    /// Upright motion with a load and all that goes, where so much of it carries one that it is taken as well (s).
+    pub mostly_carrying_s: Option<[f64; 2]>,
 }
 
 impl TakenFrames {
     /// Frames of the classes in `take`; all usable ones where these have hardly any motion that goes somewhere.
     pub fn new(clips: &ClipSet, take: &[TakenMotion]) -> Self {
-        let standing_s = standing(clips);
+        let [standing_s, carrying_s] = standing_and_carrying(clips);
+        let leaves_loads = !take.contains(&TakenMotion::Carrying);
+        let mostly_carrying_s = Some(carrying_s).filter(|[some, all]| leaves_loads && *some > MOSTLY * all);
         let is_scarce = !take.contains(&TakenMotion::Gestures) && standing_s[0] < NEUTRAL * standing_s[1];
         let scarce_neutral_s = is_scarce.then_some(standing_s);
-        let more = is_scarce.then_some(TakenMotion::Gestures);
-        let take: &[TakenMotion] = &take.iter().copied().chain(more).collect::<Vec<_>>();
+        let more = [is_scarce.then_some(TakenMotion::Gestures), mostly_carrying_s.map(|_| TakenMotion::Carrying)];
+        let take: &[TakenMotion] = &take.iter().copied().chain(more.into_iter().flatten()).collect::<Vec<_>>();
         let (mut going, mut taken_going) = (0, 0);
         let mut left = BTreeMap::<TakenMotion, BTreeMap<&str, f64>>::new();
         let mut runs = Vec::with_capacity(clips.clips.len());
@@ -128,7 +134,7 @@ impl TakenFrames {
         }
         if (taken_going as f64) < ENOUGH * going as f64 || going == 0 {
             let runs = clips.clips.iter().map(Clip::usable_ranges).collect();
-            return Self { runs, left_out: Vec::new(), scarce_neutral_s: None };
+            return Self { runs, left_out: Vec::new(), scarce_neutral_s: None, mostly_carrying_s: None };
         }
         let described = |(what, clips): (TakenMotion, BTreeMap<&str, f64>)| {
             let seconds = clips.values().sum();
@@ -137,19 +143,20 @@ impl TakenFrames {
             let clips = most.iter().take(MAX_NAMED_CLIPS).map(|(name, _)| (*name).to_owned()).collect();
             MotionLeftOut { what, seconds, clips }
         };
-        Self { runs, left_out: left.into_iter().map(described).collect(), scarce_neutral_s }
+        Self { runs, left_out: left.into_iter().map(described).collect(), scarce_neutral_s, mostly_carrying_s }
     }
 }
 
-/// Neutral and all upright standing, mirrored copies not counted (s).
-fn standing(clips: &ClipSet) -> [f64; 2] {
-    let mut out = [0.0; 2];
+/// Neutral and all upright standing, then upright motion that carries and all that goes; mirrored copies not counted (s).
+fn standing_and_carrying(clips: &ClipSet) -> [[f64; 2]; 2] {
+    let mut out = [[0.0; 2]; 2];
     for clip in clips.clips.iter().filter(|c| !c.mirrored && !c.is_made()) {
         for span in clip.usable_ranges().into_iter().flatten().filter_map(|f| clip.span_at(f)) {
             let class = &span.class;
-            if class.posture == Posture::Upright && class.gait == Gait::Stand {
-                out[0] += f64::from(u8::from(class.neutral)) / clip.rate_hz;
-                out[1] += 1.0 / clip.rate_hz;
+            if class.posture == Posture::Upright && class.gait != Gait::Other {
+                let (of, counts) = if class.gait == Gait::Stand { (0, class.neutral) } else { (1, class.carrying) };
+                out[of][0] += f64::from(u8::from(counts)) / clip.rate_hz;
+                out[of][1] += 1.0 / clip.rate_hz;
             }
         }
     }
@@ -233,6 +240,24 @@ mod tests {
         assert_eq!(taken.runs, [whole(270)]);
         let [neutral, all] = taken.scarce_neutral_s.unwrap();
         assert!((neutral - 1.0).abs() < 1e-6 && (all - 6.0).abs() < 1e-6 && taken.left_out.is_empty());
+    }
+
+    #[test]
+    fn loads_are_taken_where_most_walking_carries_one() {
+        use Posture::Upright;
+        let mut set = set(&[
+            (60, Upright, Gait::Stand, true),
+            (120, Upright, Gait::Walk, false),
+            (90, Upright, Gait::Walk, false),
+        ]);
+        set.clips[0].classes[1].class.carrying = true;
+        let taken = TakenFrames::new(&set, &[TakenMotion::Upright]);
+        assert_eq!((taken.runs, taken.left_out.len()), (vec![whole(270)], 0));
+        assert_eq!(taken.mostly_carrying_s.map(|s| s.map(f64::round)), Some([4.0, 7.0]));
+        set.clips[0].classes[1].frames.end = 120;
+        set.clips[0].classes[2].frames.start = 120;
+        let taken = TakenFrames::new(&set, &[TakenMotion::Upright]);
+        assert_eq!((taken.left_out.len(), taken.mostly_carrying_s), (1, None));
     }
 
     #[test]
