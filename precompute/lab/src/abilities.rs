@@ -1,6 +1,7 @@
 //! Locomotion abilities that motion contains: walking, stopping, turning to both sides.
 
 use crate::frames::{of_classes, runs};
+use crate::made::made_frames;
 use std::f64::consts::PI;
 use throng_base::thresholds::{STANDING_MPS_F64, WALKING_MPS};
 use throng_core::format::ClipRecord;
@@ -197,12 +198,14 @@ pub fn played_frames(tables: &Bundle) -> Vec<bool> {
     played
 }
 
-/// Names of the clips that no action plays, mirrored copies not counted.
+/// Names of the clips with walking that no action plays, mirrored and made ones not counted.
 pub fn unused_clips(tables: &Bundle) -> Vec<&str> {
-    let played = played_frames(tables);
+    let [played, made, goes] = [played_frames(tables), made_frames(tables), of_classes(tables, true, goes_somewhere)];
     let unused = |c: &ClipRecord| {
         let first = c.first_frame as usize;
-        c.mirrored == 0 && !played[first..first + c.num_frames as usize].contains(&true)
+        let frames = first..first + c.num_frames as usize;
+        let holds = |which: &[bool]| which[frames.clone()].contains(&true);
+        c.mirrored == 0 && holds(&goes) && !holds(&made) && !holds(&played)
     };
     let all = tables.clips().iter().zip(&tables.meta().clips);
     all.filter(|(c, _)| unused(c)).map(|(_, meta)| meta.name.as_str()).collect()

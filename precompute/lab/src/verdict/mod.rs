@@ -2,8 +2,9 @@
 
 mod measure;
 
-use crate::abilities::{Abilities, LITTLE_WALKING_S, unused_clips};
+use crate::abilities::{Abilities, LITTLE_WALKING_S, played_frames, unused_clips};
 use crate::frames::{of_classes, runs};
+use crate::made::made_frames;
 use crate::quality::clip_joints;
 use crate::slip::SlipMeter;
 use crate::trial::{self, TrialConfig, TrialReport};
@@ -80,7 +81,9 @@ impl Verdict {
         let mirrored = tables.clips().iter().any(|c| c.mirrored != 0);
         let motion = Abilities::of_played_frames(tables);
         let all = Abilities::of_frames(tables, |f| is_taken[f]);
-        let unused_s = all.walking_s - motion.walking_s;
+        let [made, played] = [made_frames(tables), played_frames(tables)];
+        let captured_s = |counts: &[bool]| Abilities::of_frames(tables, |f| counts[f] && !made[f]).walking_s;
+        let unused_s = captured_s(&is_taken) - captured_s(&played);
         let policies = tables.meta().behaviours.iter().zip(tables.policies().iter());
         let promises =
             policies.map(|(name, table)| (name.as_str(), promise(table, name), policy::help(table))).collect();
@@ -159,13 +162,13 @@ fn clip_names(clips: &[&str]) -> String {
 
 /// Measures planted heels and toes in the clips, and the distances of standing feet from the ground.
 fn source_feet(tables: &Bundle) -> SourceFeet {
-    let (clips, dt_s) = (tables.clips(), 1.0 / tables.meta().rate_hz as f32);
+    let (clips, made, dt_s) = (tables.clips(), made_frames(tables), 1.0 / tables.meta().rate_hz as f32);
     let mut all = SlipMeter::new(1, tables.skeleton());
     let mut each = vec![(0.0, 0u64); clips.len()];
     let mut far: Vec<Vec<f32>> = vec![Vec::new(); clips.len()];
     for run in runs(tables) {
         let clip = clips.partition_point(|c| c.first_frame <= run.start).saturating_sub(1);
-        if clips[clip].mirrored != 0 {
+        if clips[clip].mirrored != 0 || made[run.start as usize..run.end as usize].contains(&true) {
             continue;
         }
         let mut one = SlipMeter::new(1, tables.skeleton());
