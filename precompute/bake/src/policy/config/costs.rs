@@ -35,7 +35,7 @@ impl Default for CostsConfig {
             carrying: 0.5,
             manner_change_s: 4.8,
             standing_change_s: 0.0,
-            made: 0.2,
+            made: 0.6,
         }
     }
 }
