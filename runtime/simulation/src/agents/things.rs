@@ -18,7 +18,7 @@ use throng_core::{Joint, Planar, Skeleton};
 /// Forearm and hand of each arm: both ends of the forearm.
 const ARMS: [[Joint; 2]; 2] = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
 
-/// Shortest times in which a hand approaches a thing before the grasp, and withdraws from it afterwards (s).
+/// Times in which a hand approaches a thing before the grasp, and withdraws from it afterwards; less where the motion is shorter (s).
 const APPROACH_S: f32 = 0.45;
 const RETREAT_S: f32 = 0.5;
 /// Time added to both for each metre between the height of the thing and that of the palm in the motion: hips and trunk move about
@@ -124,9 +124,10 @@ impl Grasp {
     /// more slowly where people have to bend down.
     fn approach_share(&self, height: f32, before_s: f32) -> f32 {
         let bends_s = BENDS_S_PER_M * (height - self.palm.y).abs();
+        let early_s = EARLY_S.min(0.5 * self.moment_s);
         smoothstep(match before_s > 0.0 {
-            true => 1.0 - (before_s - EARLY_S) / APPROACH_S.max(bends_s.min(self.moment_s - EARLY_S)),
-            false => 1.0 + before_s / RETREAT_S.max(bends_s.min(self.after_s)),
+            true => 1.0 - (before_s - early_s) / APPROACH_S.max(bends_s).min(self.moment_s - early_s),
+            false => 1.0 + before_s / RETREAT_S.max(bends_s).min(self.after_s).max(f32::EPSILON),
         })
     }
 
@@ -544,6 +545,20 @@ fn heading_of(direction: Vec3) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn hands_neither_begin_nor_end_away_from_the_motion_however_short_it_is() {
+        for (moment_s, after_s) in [(0.233, 0.32), (0.04, 0.03), (2.0, 2.0)] {
+            let grasp = Grasp { moment_s, after_s, palm: Vec3::Y, ..Grasp::default() };
+            for height in [0.2, 1.08] {
+                let share = |before_s: f32| grasp.approach_share(height, before_s);
+                assert!(share(moment_s) < 1e-3, "{moment_s} s before: {}", share(moment_s));
+                assert!(share(-after_s) < 1e-3, "{after_s} s after: {}", share(-after_s));
+                assert!([1e-4, 0.0, -1e-4].into_iter().all(|before_s| share(before_s) > 0.95), "{}", share(1e-4));
+            }
+        }
+        assert_eq!(Grasp::default().approach_share(1.0, 0.0), 1.0, "a motion that is over at once");
+    }
 
     #[test]
     fn things_drop_out_of_hands_alone() {
