@@ -15,6 +15,7 @@ use throng_base::ground::ReservedRegion;
 use throng_base::thresholds::HALF_HEAD_M;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::characters::{ActionChoice, AvoidConfig, CharactersConfig, Detail, PolicyOrder, Spawn};
+use throng_core::graph::MotionGraph;
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
 use throng_core::{Bundle, CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
@@ -245,7 +246,7 @@ fn start_placements(compiled: &CompiledScene, number: usize) -> Result<(Vec<Spaw
     let num_places = group.count / per_place;
     let side = (num_places as f32).sqrt().ceil() as usize;
     let middle = 0.5 * (side as f32 - 1.0);
-    let states = resting_states(compiled.bundle(number)?);
+    let states = resting_states(compiled.bundle(number)?.graph());
     let num_before = compiled.first_number(number) / per_place;
     let num_alike: usize = scene.groups.iter().filter(|g| g.motion == group.motion).map(|g| g.count).sum();
     let (mut starts, mut homes) = (Vec::new(), Vec::new());
@@ -285,8 +286,8 @@ fn is_reached(regions: &[RegionRecord], height: f32, margin: f32) -> bool {
 }
 
 /// States in which characters stand; all states where there are none.
-pub(crate) fn resting_states(bundle: &Bundle) -> Vec<u32> {
-    let all = &bundle.graph().states;
+pub(crate) fn resting_states(graph: &MotionGraph) -> Vec<u32> {
+    let all = &graph.states;
     let standing: Vec<u32> = (0..all.len() as u32).filter(|&s| all[s as usize].standing == 1).collect();
     if standing.is_empty() { (0..all.len() as u32).collect() } else { standing }
 }

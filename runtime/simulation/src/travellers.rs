@@ -19,6 +19,7 @@ use throng_base::thresholds::{WAITS_BELOW_MPS, WALK_SPEED_MPS};
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::body::HeightField;
 use throng_core::characters::{PolicyCharacters, PolicyOrder, Spawn};
+use throng_core::graph::MotionGraph;
 use throng_core::reserve::FloorWall;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
@@ -111,7 +112,7 @@ impl Travellers {
             layout,
             targets: Vec::with_capacity(num),
         };
-        let states = resting_states(bundle);
+        let states = states_at_ease(bundle.graph());
         made.people.hold_entrants();
         let added = match scene.level.as_ref().filter(|level| level.all_floors) {
             Some(level) => made.add_on_all_floors(&Level::open(&level.file)?, &orders, &states),
@@ -254,6 +255,15 @@ fn target_ahead(place: Vec2, aim: &NavigationAim) -> Vec3 {
         place + aim.velocity * (TARGET_AHEAD_M.min(left_m) / speed)
     };
     Vec3::new(target.x, 0.0, target.y)
+}
+
+/// States in which people stand at ease; all in which they stand where there are none.
+fn states_at_ease(graph: &MotionGraph) -> Vec<u32> {
+    let resting = resting_states(graph);
+    let segments = |s: u32| graph.segments_of(s).iter().map(|&segment| &graph.segments[segment as usize]);
+    let idles = |s: &u32| segments(*s).any(|of| of.start == graph.states[*s as usize].frame && of.idle > 0);
+    let at_ease: Vec<u32> = resting.iter().copied().filter(idles).collect();
+    if at_ease.is_empty() { resting } else { at_ease }
 }
 
 /// Adds a person who stands in one of some states.
@@ -480,5 +490,30 @@ impl MotionKind for Travellers {
 
     fn contacts(&self, number: usize) -> Contacts {
         self.row(number).map_or(Contacts::default(), |row| self.people.characters().contacts(row))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_core::graph::{MotionSegment, StateRecord};
+
+    #[test]
+    fn people_begin_at_ease_where_their_motion_has_that() {
+        let state = |frame, standing| StateRecord { frame, standing };
+        let segment = |start, end, idle| {
+            let displacement = [0.0; 3];
+            MotionSegment { start, num_frames: 10, end, clip: 0, displacement, idle }
+        };
+        let graph = |idle, standing| MotionGraph {
+            states: vec![state(10, standing), state(20, 0), state(30, standing)].into(),
+            segments: vec![segment(0, 2, 0), segment(10, 1, 0), segment(30, 0, idle)].into(),
+            action_offsets: vec![0, 1, 2, 3].into(),
+            action_segments: vec![1, 0, 2].into(),
+            action_errors: vec![0.0; 3].into(),
+        };
+        assert_eq!(states_at_ease(&graph(10, 1)), [2]);
+        assert_eq!(states_at_ease(&graph(0, 1)), [0, 2], "all that stand, where nobody is at ease");
+        assert_eq!(states_at_ease(&graph(0, 0)), [0, 1, 2]);
     }
 }
