@@ -421,6 +421,17 @@ impl Crowd {
         }
     }
 
+    /// True where others than agents have reserved some of the ground of a capsule.
+    pub fn is_reserved(&self, ground: &Capsule2d) -> bool {
+        let SpaceEngine::Ground(engine) = &self.engine else { return false };
+        let mut is_reserved = false;
+        engine.external_obstacles.visit_reserved_near(&ground.bounds(), |other| {
+            is_reserved = other.intersects(ground);
+            !is_reserved
+        });
+        is_reserved
+    }
+
     /// The body of an agent, and the ground that it holds: all that it takes until its plan ends, and for braking then.
     pub fn body_and_region(&self, id: Id) -> Option<(ExternalObstacle, Capsule2d)> {
         each!(&self.engine, e => {

@@ -132,7 +132,7 @@ pub struct Navigation {
     streets: Option<Streets>,
     level: Option<LevelRoutes>,
     obstacles: Vec<Obstacle<Vec2>>,
-    /// Solids of each obstacle, and those of all.
+    /// Solids of each obstacle, and those of all that are not open.
     solids: Vec<Vec<ConvexSolid<Vec2>>>,
     all_solids: Vec<ConvexSolid<Vec2>>,
     goals: GoalTable,
@@ -181,7 +181,7 @@ impl Navigation {
             passages,
             streets: Some(streets.clone()).filter(|s| !s.is_open()),
             level: None,
-            all_solids: solids.concat(),
+            all_solids: solids_that_stand(streets, &solids),
             solids,
             obstacles,
             goals: GoalTable::default(),
@@ -262,6 +262,20 @@ impl Navigation {
         self.paths[body].goals.iter().for_each(|&goal| self.goals.release(goal));
         self.progress[body] = RouteProgress::begin(&path);
         self.paths[body] = path;
+        Ok(())
+    }
+
+    /// Opens an obstacle, or closes it: see [`Streets::set_open`]. In a level there are none.
+    ///
+    /// # Errors
+    /// As [`Streets::set_open`].
+    pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<()> {
+        if let Some(streets) = &mut self.streets {
+            streets.set_open(obstacle, open)?;
+            self.all_solids = solids_that_stand(streets, &self.solids);
+            self.goals.find_again(streets, true);
+            self.progress.iter_mut().for_each(|p| p.cursor.look_at = 0.0);
+        }
         Ok(())
     }
 
@@ -524,6 +538,12 @@ impl RouteProgress {
             has_arrived: false,
         }
     }
+}
+
+/// Solids of all obstacles that are not open.
+fn solids_that_stand(streets: &Streets, solids: &[Vec<ConvexSolid<Vec2>>]) -> Vec<ConvexSolid<Vec2>> {
+    let stand = solids.iter().enumerate().filter(|(obstacle, _)| !streets.is_open_door(*obstacle));
+    stand.flat_map(|(_, solids)| solids.iter().cloned()).collect()
 }
 
 /// Cell of a place.

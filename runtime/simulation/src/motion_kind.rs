@@ -15,6 +15,8 @@ pub struct GroupStep<'a> {
     pub until_s: f64,
     /// Number of the first character in the simulation, for events.
     pub first: usize,
+    /// True for each door that is open.
+    pub open_doors: &'a [bool],
     /// Threads that run the parts of the step.
     pub run: &'a dyn Executor,
 }

@@ -7,7 +7,7 @@ use crate::compile::CompiledScene;
 use crate::inhabitant_group::InhabitantGroup;
 use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, saved_bytes};
 use crate::scenario::AgentBrains;
-use crate::scene::{GroupMotion, Scene, SpaceConfig};
+use crate::scene::{GroupConfig, GroupMotion, Scene, SpaceConfig};
 use crate::sparring::StruckPart;
 use crate::travellers::Travellers;
 use crate::wander::Wanderers;
@@ -48,6 +48,8 @@ pub struct Simulation {
     /// Bodies and reserved regions of each character group, and at the end those of moving obstacles; empty where no character group has to
     /// avoid others.
     reserved: Vec<ReservedRegion>,
+    /// True for each door that is open.
+    open_doors: Vec<bool>,
     /// Character group that was last informed of the current reserved regions; nothing has changed since.
     informed_group: Option<usize>,
     time_s: f64,
@@ -155,6 +157,7 @@ impl Simulation {
             groups: Vec::new(),
             events: Vec::new(),
             reserved: Vec::new(),
+            open_doors: scene.scene().environment.doors.iter().map(|door| door.open).collect(),
             informed_group: None,
             time_s: 0.0,
             busy_s: None,
@@ -183,6 +186,12 @@ impl Simulation {
                 sim.groups.push(SceneGroup { name, motion, number: o, characters, character_group });
             }
             sim.firsts.push(sim.groups.last().map_or(0, |last| last.characters.end));
+        }
+        let moves_doors = scene.scene().events.iter().any(|e| !e.opens.is_empty() || !e.closes.is_empty());
+        if moves_doors && !groups.iter().any(GroupConfig::is_of_agents) {
+            // Without agents too, events open and close doors.
+            sim.character_groups.push(AnyCharacterGroup::Ground(SceneAgents::new(scene)?));
+            sim.firsts.push(sim.num_characters());
         }
         sim.events.reserve(EVENTS_EACH * sim.num_characters());
         let mut moves_itself = ReservedRegion::default();
@@ -224,8 +233,12 @@ impl Simulation {
         self.events.clear();
         self.collect_reserved();
         self.informed_group = None;
-        for (c, character_group) in self.character_groups.iter_mut().enumerate() {
-            let tick = GroupStep { dt_s: dt_s as f32, until_s, first: self.firsts[c], run };
+        for c in 0..self.character_groups.len() {
+            if let Some(agents) = ground_agents(&self.character_groups) {
+                self.open_doors.iter_mut().enumerate().for_each(|(d, open)| *open = agents.is_open(d));
+            }
+            let (character_group, open_doors) = (&mut self.character_groups[c], &*self.open_doors);
+            let tick = GroupStep { dt_s: dt_s as f32, until_s, first: self.firsts[c], open_doors, run };
             let begin = self.busy_s.is_some().then(Instant::now);
             inform_of_obstacles(c, character_group, &self.reserved);
             character_group.step(&tick, &mut self.events)?;
@@ -470,12 +483,10 @@ impl Simulation {
 
     /// Things of the scene, in its order, with their current positions.
     pub fn things(&self) -> impl Iterator<Item = SceneThing<'_>> + '_ {
-        let agents =
-            self.character_groups.iter().zip(&self.firsts).find_map(|(character_group, first)| match character_group {
-                AnyCharacterGroup::Ground(agents) => Some((agents, *first)),
-                _ => None,
-            });
-        let now = agents.into_iter().flat_map(|(agents, first)| agents.things().map(move |t| (t, first)));
+        let is_ground = |group: &AnyCharacterGroup| matches!(group, AnyCharacterGroup::Ground(_));
+        let first = self.character_groups.iter().position(is_ground).map_or(0, |c| self.firsts[c]);
+        let agents = ground_agents(&self.character_groups).into_iter();
+        let now = agents.flat_map(move |agents| agents.things().map(move |t| (t, first)));
         now.zip(&self.scene().things).map(|((thing, first), config)| SceneThing {
             name: &config.name,
             size: Vec3::from_array(config.size_m),
@@ -487,10 +498,7 @@ impl Simulation {
 
     /// Counts of what hands have done with things so far.
     pub fn handling_counts(&self) -> HandlingCounts {
-        let of = |character_group: &AnyCharacterGroup| {
-            if let AnyCharacterGroup::Ground(agents) = character_group { Some(agents.handling_counts()) } else { None }
-        };
-        self.character_groups.iter().find_map(of).unwrap_or_default()
+        ground_agents(&self.character_groups).map(SceneAgents::handling_counts).unwrap_or_default()
     }
 
     /// Raises an event of the scene now.
@@ -529,6 +537,11 @@ impl Simulation {
     pub fn busy_s(&self) -> &[f64] {
         self.busy_s.as_deref().unwrap_or_default()
     }
+}
+
+/// The agents on the ground, where there are any.
+fn ground_agents(groups: &[AnyCharacterGroup]) -> Option<&SceneAgents<Vec2>> {
+    groups.iter().find_map(|group| if let AnyCharacterGroup::Ground(agents) = group { Some(agents) } else { None })
 }
 
 /// Informs a character group of the bodies and reserved regions of all others, where there are any.

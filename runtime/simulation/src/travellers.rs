@@ -65,6 +65,8 @@ pub struct Travellers {
     people: PolicyCharacters,
     navigation: Navigation,
     travels: Vec<TravelState>,
+    /// True for each door that is open.
+    open_doors: Vec<bool>,
     layout: CrowdLayout<Vec2>,
     /// Targets of the present characters, in the order of their rows (m).
     targets: Vec<Vec3>,
@@ -79,7 +81,7 @@ struct TravelState {
 }
 
 /// Snapshot of travels, around one of the characters.
-const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 2, setup: 0 };
+const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 3, setup: 0 };
 
 impl Travellers {
     /// Creates groups with one bundle, with all characters in place.
@@ -109,6 +111,7 @@ impl Travellers {
             people: PolicyCharacters::with_capacity(bundle, num, config).map_err(fault)?,
             navigation: Navigation::new(&Streets::new(&[], BODY_RADIUS_M)?, BODY_RADIUS_M, WALK_SPEED_MPS, num)?,
             travels: vec![TravelState::default(); num],
+            open_doors: scene.environment.doors.iter().map(|door| door.open).collect(),
             layout,
             targets: Vec::with_capacity(num),
         };
@@ -125,18 +128,15 @@ impl Travellers {
 
     /// Adds all people at their starts in streets.
     fn add_in_streets(&mut self, orders: &[PolicyOrder], states: &[u32]) -> Result<()> {
-        let Self { scene, groups, people, layout, .. } = self;
-        let mut streets = match &layout.setup.streets {
-            Some(streets) => streets.clone(),
-            None => Streets::new(&[], BODY_RADIUS_M)?,
-        };
+        let Self { scene, groups, people, layout, open_doors, .. } = self;
+        let mut streets = layout.setup.streets.clone().map_or_else(|| Streets::new(&[], BODY_RADIUS_M), Ok)?;
         let is_known = layout.setup.streets.is_some();
-        for (d, door) in scene.environment.doors.iter().enumerate().filter(|_| is_known) {
-            streets.set_open(layout.first_door + d, door.open)?;
+        for (d, &open) in open_doors.iter().enumerate().filter(|_| is_known) {
+            streets.set_open(layout.first_door + d, open)?;
         }
         self.navigation = Navigation::new(&streets, BODY_RADIUS_M, WALK_SPEED_MPS, self.travels.len())?;
         let mut rng = Pcg64Mcg::seed_from_u64(scene.seed ^ groups[0] as u64);
-        people.set_walls(&scene.environment.walls_and_closed_doors());
+        people.set_walls(&scene.environment.walls_and_closed_doors(open_doors));
         for ((agent, path), of) in layout.setup.agents.iter().zip(&layout.paths).zip(&layout.groups) {
             let order = orders[groups.iter().position(|g| g == of).unwrap_or_default()];
             let ahead = path.get(1).map_or(Vec2::Y, |next| *next - agent.position);
@@ -150,6 +150,19 @@ impl Travellers {
                 self.navigation.add_body(&layout.setup.routes[route], agent.position)?;
             }
         }
+        Ok(())
+    }
+
+    /// Opens and closes doors, as many as the scene has; none on the floors of a level.
+    fn set_doors(&mut self, open: &[bool]) -> Result<()> {
+        if self.open_doors == open || self.scene.level.as_ref().is_some_and(|level| level.all_floors) {
+            return Ok(());
+        }
+        for d in (0..open.len()).filter(|&d| self.open_doors[d] != open[d]) {
+            self.navigation.set_open(self.layout.first_door + d, open[d])?;
+        }
+        self.open_doors.copy_from_slice(open);
+        self.people.set_walls(&self.scene.environment.walls_and_closed_doors(open));
         Ok(())
     }
 
@@ -419,6 +432,7 @@ impl MotionKind for Travellers {
 
     fn step(&mut self, tick: &GroupStep<'_>, events: &mut Vec<SimulationEvent>) -> Result<()> {
         let time_s = tick.until_s - f64::from(tick.dt_s);
+        self.set_doors(tick.open_doors)?;
         let people = &self.people;
         self.navigation.update(time_s, |number| {
             let row = people.row(Id::first(number)).ok()?;
@@ -466,11 +480,13 @@ impl MotionKind for Travellers {
 
     fn save(&self, out: &mut Vec<u8>) {
         let people = saved_bytes(|out| self.people.save(out));
-        TRAVELS.write(&(self.navigation.state(), &self.travels, people), out);
+        TRAVELS.write(&(&self.open_doors, self.navigation.state(), &self.travels, people), out);
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
-        let (state, travels, people): (NavigationState, Vec<TravelState>, Bytes) = TRAVELS.read_all(bytes)?;
+        let (doors, state, travels, people): (Vec<bool>, NavigationState, Vec<_>, Bytes) = TRAVELS.read_all(bytes)?;
+        check_snapshot(doors.len() == self.open_doors.len(), TRAVELS.what, "its doors are others")?;
+        self.set_doors(&doors)?;
         let is_on_routes = travels.len() == self.travels.len() && self.navigation.restore(&state);
         check_snapshot(is_on_routes, TRAVELS.what, "its travels are on no route")?;
         self.people.load(&people.0)?;

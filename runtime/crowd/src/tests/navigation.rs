@@ -1,7 +1,31 @@
 //! Bodies that navigation leads, and that something else moves.
 
 use crate::*;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
+
+#[test]
+fn bodies_go_straight_through_an_open_door_and_round_a_shut_one() {
+    let wall = |from: f32, to: f32| Obstacle::Wall { from: Vec3::X * from, to: Vec3::X * to, radius: 0.1 };
+    let mut streets = Streets::new(&[wall(-9.0, -1.0), wall(-1.0, 1.0), wall(1.0, 5.0)], 0.45).unwrap();
+    streets.set_open(1, true).unwrap();
+    let mut navigation = Navigation::new(&streets, 0.3, 1.3, 1).unwrap();
+    let at = Vec2::new(0.0, -0.8);
+    let route = Route { subgoals: vec![Vec2::new(0.0, 6.0)], arrival_radius: 0.5, at_end: AtEnd::Stay };
+    navigation.add_body(&route, at).unwrap();
+    let mut time_s = 0.0;
+    for open in [true, false, true] {
+        navigation.set_open(1, open).unwrap();
+        for _ in 0..12 {
+            navigation.update(time_s, |_| Some(NavigatedBody { position: at, velocity: Vec2::ZERO, height_m: 0.0 }));
+            time_s += 0.05;
+        }
+        let NavigationAim { position, velocity, .. } = navigation.aim(0);
+        let round = position.x > 5.0 && velocity.x > 0.8;
+        let straight = position == Vec2::new(0.0, 6.0) && velocity.y > 1.2;
+        assert!(if open { straight } else { round }, "{open}: to {position} at {velocity}");
+    }
+    assert!(navigation.set_open(3, true).is_err());
+}
 
 #[test]
 fn a_body_that_stops_short_of_the_end_of_a_round_goes_back() {

@@ -315,6 +315,9 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
 
     fn set_door_open(&mut self, door: u16, open: bool) -> Result<bool> {
         let obstacle = self.layout.first_door + usize::from(door);
+        if !open && self.crowd.is_reserved(&self.layout.scene.environment.door_wall(usize::from(door))) {
+            return Ok(false);
+        }
         match self.crowd.set_open(obstacle, open) {
             Ok(()) => Ok(true),
             Err(CrowdError::Inside { .. }) => Ok(false),

@@ -52,11 +52,18 @@ impl EnvironmentConfig {
         self.on_ground().flat_map(|o| o.obstacles::<Vec2>()).flat_map(of).collect()
     }
 
-    /// Fixed obstacles on the ground, and doors that are closed at the start, as capsules (none in the air).
-    pub(crate) fn walls_and_closed_doors(&self) -> Vec<Capsule2d> {
-        let closed = self.doors.iter().filter(|door| !door.open && self.space == SpaceConfig::Ground);
-        let wall = |d: &DoorConfig| Capsule2d { from: to_point(&d.from), to: to_point(&d.to), radius_m: d.radius_m };
-        self.walls().into_iter().chain(closed.map(wall)).collect()
+    /// Fixed obstacles on the ground, and closed doors, as capsules (none in the air).
+    ///
+    /// - `open`: true for each door that is open.
+    pub(crate) fn walls_and_closed_doors(&self, open: &[bool]) -> Vec<Capsule2d> {
+        let closed = (0..self.doors.len()).filter(|&d| !open[d] && self.space == SpaceConfig::Ground);
+        self.walls().into_iter().chain(closed.map(|d| self.door_wall(d))).collect()
+    }
+
+    /// Ground that a closed door takes (door < number of doors).
+    pub(crate) fn door_wall(&self, door: usize) -> Capsule2d {
+        let DoorConfig { from, to, radius_m, .. } = &self.doors[door];
+        Capsule2d { from: to_point(from), to: to_point(to), radius_m: *radius_m }
     }
 
     /// Adds the moving obstacles on the ground at a time, and the ground that they reserve (none in the air).

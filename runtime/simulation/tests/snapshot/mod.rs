@@ -1,6 +1,7 @@
 //! Promise: whatever moves, a snapshot brings all of it back, on any number of threads, and bytes of anybody do no harm.
 
 mod damage;
+mod doors;
 mod kinds;
 mod scenes;
 

@@ -325,6 +325,11 @@ impl Streets {
         self.doors_between(from.xz(), to.xz(), clearance).is_some_and(|doors| doors & shut == 0)
     }
 
+    /// True for an obstacle that is open.
+    pub(crate) fn is_open_door(&self, obstacle: usize) -> bool {
+        self.owners.iter().zip(&self.doors).any(|(o, door)| *o == obstacle && *door != 0 && door & self.closed == 0)
+    }
+
     /// Obstacles that paths lead round.
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles
