@@ -172,6 +172,7 @@ impl AgentBrains {
         let mut tries = 0;
         while let WalkCommand::Near { middle, at, arrival_m } = command.walk {
             tries += 1;
+            let middle = free_ground_towards(stage, position, middle);
             if tries > NEAR_TRIES || stage.sees(middle, at, NEAR_M, false) {
                 let at = if tries > NEAR_TRIES { middle } else { at };
                 command.walk = WalkCommand::To { at, arrival_m };
@@ -466,6 +467,13 @@ impl AgentBrains {
         relationships[..=old.unwrap_or(3)].rotate_right(1);
         relationships[0] = (other, liking.clamp(-2.0, 2.0));
     }
+}
+
+/// Free ground nearest to a place on the straight line from there to an agent: the place itself unless an obstacle is there (m).
+fn free_ground_towards(stage: &impl ScenarioStage, position: Vec3, place: Vec3) -> Vec3 {
+    let steps = (position.distance(place) / NEAR_M).ceil();
+    let mut on_line = (0..steps as u32).map(|k| place.lerp(position, k as f32 / steps));
+    on_line.find(|at| stage.sees(*at, *at, NEAR_M, false)).unwrap_or(position)
 }
 
 /// Position that an agent sees and that is farthest from a threat, of those on straight lines that never come nearer to it; `None` where

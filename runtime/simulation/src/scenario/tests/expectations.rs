@@ -293,6 +293,21 @@ fn who_roams_among_boxes_is_not_drawn_to_the_middle() {
 }
 
 #[test]
+fn who_roams_about_an_obstacle_roams_on_free_ground_around_it() {
+    let fountain = "[[places]]\nname = \"middle\"\nat = [0.0, 0.0]\n\
+        [[environment.obstacles]]\ndisc = { centre = [0.0, 0.0], radius_m = 1.5 }\n";
+    let scene = doing("{ roam = [0.0, 0.0], within_m = 6 }", fountain)
+        .replace("seconds = 40.0", "seconds = 90.0")
+        .replace("from = [-3.0, -3.0], to = [3.0, 3.0]", "from = [3.0, -3.0], to = [5.0, 3.0]");
+    let walked = outcome(&scene, "that.amount = \"me.speed\"\ntake = \"median\"\nleast = 0.5");
+    assert!(walked.holds, "{walked:?}");
+    let near = outcome(&scene, "that.never = \"distance(me, 'middle') > 7\"");
+    assert!(near.holds, "{near:?}");
+    let beyond = outcome(&scene, "that.amount = \"min(me.x, 0 - abs(me.z))\"\ntake = \"min\"\nmost = -2.0");
+    assert!(beyond.holds, "they go round it: {beyond:?}");
+}
+
+#[test]
 fn sources_admit_everybody_who_finds_room() {
     let source = "seconds = 20.0\n[[groups]]\nname = \"comers\"\nmotion = \"none\"\ncount = 12\nacceleration_mps2 = [3.0, 6.0]\n\
         place = { block = { from = [0.0, 0.0], to = [20.0, 20.0] } }\ngoal = { stay = {} }\n\
