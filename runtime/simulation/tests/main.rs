@@ -1,4 +1,5 @@
 //! Promises of simulations, one module each.
 
+mod gestures;
 mod pedestrians;
 mod snapshot;

@@ -18,6 +18,9 @@ use throng_core::walkers::{Performance, PerformanceProgress, Walkers, WalkersCon
 use throng_core::{Mat3x4, NUM_JOINTS, Skeleton};
 use throng_crowd::{Id, Space};
 
+/// Cosine of the largest angle to the front at which gestures are shown.
+const ARMS_REACH: f32 = -0.2;
+
 /// Bodies of the agents of one group; bodies of agents that have left stay where they were.
 #[derive(Clone, Debug)]
 pub(super) struct Followers {
@@ -103,12 +106,14 @@ impl Followers {
         let Some(at) = outside.ids[agent].and_then(|id| outside.crowd.position(id, outside.crowd.time_s())) else {
             return Ok(());
         };
+        let waits = self.puts_off_gesture(outside, agent);
         let troop = &mut self.troops[t];
         let faces = outside.faced_position(agent);
         let ahead = faces.map(|faces| (faces - at).xz());
         let gesture = outside.gesture_now(agent);
-        troop.order_gaze(row, ahead, faces.or(gesture.and_then(|g| g.1)));
-        troop.order_gesture(row, gesture);
+        let aimed = gesture.and_then(|g| g.1);
+        troop.order_gaze(row, ahead.or(aimed.filter(|_| waits).map(|to| (to - at).xz())), faces.or(aimed));
+        troop.order_gesture(row, gesture.filter(|_| !waits));
         let speed_mps = outside.ids[agent].and_then(|id| outside.crowd.smooth_velocity(id)).map_or(0.0, |v| v.length());
         let held = faces.and_then(|_| troop.held_position(row, at.xz(), speed_mps));
         troop.order_stand(row, shown.stands.map(|at| at.xz()).or(held));
@@ -137,6 +142,15 @@ impl Followers {
         // The choice differs between agents and changes with time.
         let turn = agent + (outside.crowd.time_s() * 0.37) as usize;
         troop.order_activity(row, Some(Performance { activity: all[turn % all.len()], heading }))
+    }
+
+    /// True where the gesture of an agent is aimed behind its body: it is put off until the body has turned, which it does at once
+    /// where it stands and faces nobody.
+    pub fn puts_off_gesture<V: Space>(&self, outside: &CrowdStage<V>, agent: usize) -> bool {
+        let Some((_, Some(to))) = outside.gesture_now(agent).filter(|_| self.has_body(agent)) else { return false };
+        let (walkers, row) = self.walkers_of(agent);
+        let to = walkers.root(row).inverse_transform_point(to.xz());
+        to.y < ARMS_REACH * to.length()
     }
 
     /// State that the next steps depend on, troop by troop.

@@ -299,6 +299,10 @@ impl<V: Space> MotionKind for SceneAgents<V> {
         done?;
         let begin = self.timings.is_some().then(Instant::now);
         self.stage.things.order_reaches(&mut self.followers, tick.dt_s);
+        for (bodies, agent) in self.followers.iter().flat_map(|f| f.agents.clone().map(move |agent| (f, agent))) {
+            let wait_s = if bodies.puts_off_gesture(&self.stage, agent) { f64::from(tick.dt_s) } else { 0.0 };
+            self.stage.gestures[agent].iter_mut().for_each(|g| g.until_s += wait_s);
+        }
         self.followers.iter_mut().try_for_each(|f| f.step(&self.stage, tick))?;
         self.move_things(tick.dt_s);
         if let (Some(spent), Some(begin)) = (&mut self.timings, begin) {
