@@ -74,7 +74,7 @@ impl BoxingSetup {
 pub(crate) fn weighted_order(compiled: &CompiledScene, group: usize) -> Result<(PolicyOrder, Vec<usize>)> {
     let (bundle, behaviours) = (compiled.bundle(group)?, &compiled.scene().groups[group].behaviours);
     if behaviours.is_empty() {
-        let fault = |e: Error| compiled.scene().fault(&format!("groups[{group}].bundle"), e);
+        let fault = |e: Error| compiled.scene().fault(&format!("groups[{group}]"), format!("in its bundle, {e}"));
         let policy = bundle.find_policy("approach").map_err(fault)?;
         return Ok((PolicyOrder::IDLE.with_policy(policy, 1.0), vec![policy]));
     }

@@ -129,6 +129,9 @@ impl TakeSpan {
         let most = most_s.unwrap_or(SECONDS.most);
         MOMENT_S.check("from", None, from_s)?;
         MOMENT_S.check("to", None, to_s)?;
+        if config.to_s.is_none() && to_s < from_s {
+            return Err(export_error(format!("--from {from_s}: expected {to_s} s at most, where it ends"), help));
+        }
         if to_s < from_s {
             return Err(export_error(format!("--from {from_s} --to {to_s}: the end is earlier than the start"), help));
         }
@@ -173,5 +176,18 @@ mod tests {
         let all = config(vec![0..=999_999; 1000]);
         assert_eq!(selected_numbers(&all, 1_000_000, "character").unwrap().len(), 1_000_000);
         assert!(selected_numbers(&config(vec![3..=10]), 10, "character").is_err());
+    }
+
+    #[test]
+    fn spans_outside_of_the_scene_are_refused_with_what_was_given() {
+        for (from_s, to_s, wanted) in [
+            (Some(500.0), None, "--from 500: expected 90 s at most, where it ends"),
+            (Some(5.0), Some(4.0), "--from 5 --to 4: the end is earlier than the start"),
+            (None, Some(91.0), "--to 91: expected 90 s at most, where it ends"),
+        ] {
+            let config = PerformConfig { from_s, to_s, ..PerformConfig::default() };
+            let refused = TakeSpan::new(&config, 90.0, Some(90.0)).err().expect("it is refused").to_string();
+            assert!(refused.contains(wanted), "{refused}");
+        }
     }
 }

@@ -3,6 +3,8 @@
 use super::scenes;
 use glam::Vec2;
 use proptest::prelude::*;
+use throng_core::Bundle;
+use throng_core::format::AlignedBytes;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_simulation::{AnyCharacterGroup, Simulation};
 
@@ -42,6 +44,15 @@ fn play(sim: &mut Simulation, who: usize, segment: u32) -> bool {
         AnyCharacterGroup::Sparring(s) => s.play(number, segment).is_ok(),
         _ => unreachable!("only those box"),
     }
+}
+
+#[test]
+fn a_bundle_that_lacks_the_behaviour_of_travel_is_named_with_its_group() {
+    let bytes = throng_world::made_up_floor::bundle("made up");
+    let floor = Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).expect("a sound bundle");
+    let travels = scenes::TRAVELLERS.replace("behaviours = [{ name = \"approach\" }]", "");
+    let message = Simulation::new(&scenes::compile(&travels, &floor)).unwrap_err().to_string();
+    assert!(message.contains("key `groups[0]`: in its bundle, there is no behaviour \"approach\""), "{message}");
 }
 
 proptest! {

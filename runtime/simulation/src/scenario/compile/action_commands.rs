@@ -212,6 +212,9 @@ impl ScenarioCompiler<'_> {
             (WordKind::Target | WordKind::Slot | WordKind::Queue, WordConfig::Text(text)) => {
                 let has_other = self.out.names.has_other && !self.is_untold;
                 let has_place = self.out.names.has_place;
+                // A group, or one of it such as `guards:0`.
+                let group = self.out.names.groups.number_of(text.split(':').next().unwrap_or_default());
+                let is_person = group.is_some() && self.out.names.places.number_of(text).is_none();
                 let has_arrow = has_place && self.scene.places.iter().any(|site| site.arrow.is_some());
                 match text.as_str() {
                     "me" => ActionOperand::Spot(SpotName::Me),
@@ -221,6 +224,7 @@ impl ScenarioCompiler<'_> {
                     "place" if has_place => ActionOperand::Spot(SpotName::Here),
                     "other" => return expected("somewhere: this event has no `other`; one with `passed_on` has"),
                     "place" | "arrow" => return expected(&format!("somewhere: there is no `{text}` for this event")),
+                    name if is_person => return expected(&format!("`other` or a place: `{name}` is neither")),
                     name => ActionOperand::Spot(SpotName::Place(self.name_number(NameKind::Place, name, key)?)),
                 }
             }

@@ -348,6 +348,10 @@ fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
         ),
         ("[[events]]\nname = \"a\"\nat_s = 1.0\nperiod_s = 2.0".into(), vec!["expected one of `at_s`"]),
         (
+            rule("on = \"bell\"\ndo = [{ follow = \"people:0\" }]"),
+            vec!["rules[0].do[0].follow", "expected `other` or a place: `people:0` is neither"],
+        ),
+        (
             rule("on = \"bell\"\ndo = [{ go = [1.0] }]"),
             vec!["rules[0].do[0].go", "expected 2 numbers (x, z)", "found 1"],
         ),
