@@ -45,12 +45,8 @@ const NEAR_M: f32 = 0.5;
 /// Distance around a goal within which ground is level, and the difference of heights that it may have (m).
 const ROOM_M: f32 = 0.8;
 const LEVEL_M: f32 = 0.1;
-/// Room around goals in places with less (m).
-const LEAST_ROOM_M: f32 = 0.35;
 /// Most draws of a goal.
 const MOST_DRAWN: usize = 400;
-/// Number of goals of which the one is taken that is farthest from those of others.
-const MOST_COMPARED: usize = 12;
 /// Spacing of the heights that feet are put on (m).
 const GROUND_SPACING_M: f32 = 0.06;
 /// Most heights of the ground of a level; on a larger one they lie farther apart.
@@ -178,8 +174,6 @@ impl Travellers {
         for (&g, order) in groups.iter().zip(orders) {
             let group = &scene.groups[g];
             let [starts, goals] = group.level_places().map(|names| places_of_level(level, names.unwrap_or_default()));
-            let (goals, mut taken) =
-                (PlacesGround::new(level, goals, group.level_places()[1].unwrap_or_default()), Vec::new());
             for n in 0..group.count {
                 let (mut made, mut reach_m) = (None, LEAST_REACH_M);
                 while made.is_none() && reach_m < MOST_REACH_M {
@@ -190,8 +184,7 @@ impl Travellers {
                 }
                 let by = "another character or a wall";
                 let (at, id) = made.ok_or_else(|| Error::Occupied { who: Id::first(n), by: by.into() })?;
-                let goal = ground.draw_goal(&goals, at, &taken, &mut rng);
-                taken.push(goal);
+                let goal = ground.draw_goal(&goals, at, &mut rng);
                 let back = (group.at_end == AtEndConfig::Again).then_some(at);
                 let subgoals = std::iter::once(goal).chain(back).collect();
                 let route = Route { subgoals, arrival_radius: group.arrival_m, at_end: group.at_end.into() };
@@ -326,76 +319,22 @@ impl<'a> LevelGround<'a> {
     }
 
     /// True for level ground in all directions: nobody chooses to stand on stairs or in a door.
-    fn is_room(&self, at: Vec3, room_m: f32) -> bool {
-        let off = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|off| at + off * room_m);
+    fn is_room(&self, at: Vec3) -> bool {
+        let off = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|off| at + off * ROOM_M);
         off.into_iter().all(|p| self.level.height_at(p).is_some_and(|height| (height - at.y).abs() < LEVEL_M))
     }
 
-    /// Goal in one of some places, or anywhere; if it can be, with room, and far from those that are taken and from its start.
-    fn draw_goal(&self, places: &PlacesGround, start: Vec3, taken: &[Vec3], rng: &mut Pcg64Mcg) -> Vec3 {
-        let (mut best, mut farthest_m) = (start, -1.0);
-        let mut num = 0;
-        for n in 0..MOST_DRAWN {
-            let drawn = match places.draw_point(rng) {
-                Some(at) => self.level.nearest(at, NEAR_M).map(|p| p.at),
-                None => {
-                    let place = (!places.middles.is_empty())
-                        .then(|| &places.middles[rng.random_range(0..places.middles.len())]);
-                    self.draw_point(place, GOAL_REACH_M, rng)
-                }
-            };
-            let room_m = if n < MOST_DRAWN / 2 { ROOM_M } else { LEAST_ROOM_M };
-            let is_good = |at: &Vec3| at.distance(start) > MOST_REACH_M && self.is_room(*at, room_m);
-            let Some(at) = drawn else { continue };
-            if !is_good(&at) {
-                best = if num == 0 { at } else { best };
-                continue;
-            }
-            let apart_m = taken.iter().map(|other| other.distance(at)).fold(f32::INFINITY, f32::min);
-            if apart_m > farthest_m {
-                (best, farthest_m) = (at, apart_m);
-            }
-            num += 1;
-            if num == MOST_COMPARED || taken.is_empty() || places.triangles.is_empty() {
+    /// Goal near one of some places, or anywhere; if it can be, with room and not near to where somebody starts.
+    fn draw_goal(&self, places: &[Vec3], start: Vec3, rng: &mut Pcg64Mcg) -> Vec3 {
+        let mut goal = start;
+        for _ in 0..MOST_DRAWN {
+            let place = (!places.is_empty()).then(|| &places[rng.random_range(0..places.len())]);
+            goal = self.draw_point(place, GOAL_REACH_M, rng).unwrap_or(goal);
+            if goal.distance(start) > MOST_REACH_M && self.is_room(goal) {
                 break;
             }
         }
-        best
-    }
-}
-
-/// Ground of some places of a level.
-struct PlacesGround {
-    /// Their middles (m).
-    middles: Vec<Vec3>,
-    /// Triangles of their areas (m), and the sum of areas up to each (m²).
-    triangles: Vec<[Vec3; 3]>,
-    areas: Vec<f32>,
-}
-
-impl PlacesGround {
-    fn new(level: &Level, middles: Vec<Vec3>, names: &[String]) -> Self {
-        let is_named: Vec<bool> = level.places().map(|p| names.iter().any(|n| n == p.name)).collect();
-        let polygons = (0..level.num_polygons() as u32).filter(|p| level.place_of(*p).is_some_and(|of| is_named[of]));
-        let triangles: Vec<_> = polygons.flat_map(|p| level.triangles(p)).map(|t| t.map(Vec3::from)).collect();
-        let mut sum = 0.0;
-        let up_to = |[a, b, c]: &[Vec3; 3]| {
-            sum += 0.5 * (b - a).xz().perp_dot((c - a).xz()).abs();
-            sum
-        };
-        Self { middles, areas: triangles.iter().map(up_to).collect(), triangles }
-    }
-
-    /// Point in one of the areas, anywhere with the same chance; none without areas.
-    fn draw_point(&self, rng: &mut Pcg64Mcg) -> Option<Vec3> {
-        let all = *self.areas.last().filter(|all| **all > 0.0)?;
-        let at = rng.random_range(0.0..all);
-        let [a, b, c] = self.triangles[self.areas.partition_point(|sum| *sum <= at)];
-        let [mut u, mut v] = [0; 2].map(|_| rng.random_range(0.0..1.0f32));
-        if u + v > 1.0 {
-            (u, v) = (1.0 - u, 1.0 - v);
-        }
-        Some(a + (b - a) * u + (c - a) * v)
+        goal
     }
 }
 
