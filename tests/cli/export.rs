@@ -63,7 +63,7 @@ fn ran(scene: &str, times: impl Iterator<Item = usize>) -> Vec<Vec<Option<Pose>>
 
 /// Where joints are in the clips of a file, by frame.
 fn read(file: &str) -> Vec<Vec<Pose>> {
-    let config = ImportConfig { metres_per_unit: None, ..ImportConfig::default() };
+    let config = ImportConfig { metres_per_unit: None, loops: false, ..ImportConfig::default() };
     let clips = read_clips(Path::new(file), &config).unwrap_or_else(|e| panic!("{e}"));
     let pose = |clip: &throng_precompute::import::ImportedClip, frame: usize| {
         let world = clip.clip.world(frame);
