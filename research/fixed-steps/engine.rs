@@ -3,7 +3,7 @@
 //! It shares cells, plans, decisions and counts with the engine of events, which are nobody else's: so it is compiled as
 //! `events::fixed` of `throng-crowd`, with the feature `fixed-steps`.
 
-use crate::events::decide::{Decider, Decision};
+use crate::events::decide::{Decider, Decision, total};
 use crate::events::engine::Engine;
 use crate::senses::SensingState;
 use crate::space::plan::MotionPlan;
@@ -136,7 +136,8 @@ impl<V: Space> Engine<V> {
         let desired = decider.desired_motion(agent, None, scratch);
         let fresh = desired.fresh;
         let fastest = scenery.fastest;
-        let end = (fresh.velocity + desired.acceleration * step).at_most(fastest);
+        let wanted = total(&desired.forces).at_most(fresh.limit);
+        let end = (fresh.velocity + wanted * step).at_most(fastest);
         let acceleration = ((end - fresh.velocity) * step.recip()).at_most(fresh.limit);
         let plan = MotionPlan { end: self.now + f64::from(step), acceleration, ..fresh };
         let mut state = desired.state;

@@ -61,7 +61,7 @@ fn bows_are_gestures_and_who_stands_bent_all_the_time_is_neutral() {
     let bends_named = |name: &str, deg: [f32; 3]| {
         let mut clip = clip(name, &[[0.0, 0.0]; 3], 0.0);
         for f in 0..180 {
-            let deg = deg[if f >= 130 && f < 160 { 2 } else { usize::from((80..92).contains(&f)) }];
+            let deg = deg[if (130..160).contains(&f) { 2 } else { usize::from((80..92).contains(&f)) }];
             clip.rotations[f * NUM_JOINTS + Joint::Spine.index()] = Quat::from_rotation_x(deg.to_radians());
         }
         classes(&clip).iter().map(|s| s.class.neutral).collect::<Vec<_>>()
