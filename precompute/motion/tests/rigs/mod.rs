@@ -177,8 +177,8 @@ mod random {
             (upper, fore, fingers) in (0.18f32..0.4, 0.13f32..0.4, 0.0f32..0.3),
             (rest, moves) in (0usize..4, any::<bool>()),
         ) {
-            // Hanging arms do not reach the ground, as forelegs do.
-            prop_assume!(upper + fore + fingers < thigh + shin + 0.4);
+            // Hanging arms do not come within a quarter of the leg from the ground, as forelegs do: shoulders are 0.5 m above thighs.
+            prop_assume!(upper + fore + fingers < 0.75 * (thigh + shin) + 0.45);
             let side = |name: &str| name.replace('~', "{l,r}");
             let [t, s, f, c, u, e, h] = NAMES[names].map(side);
             let mut table = format!(
