@@ -64,11 +64,12 @@ fn a_transition_is_taken_where_it_pays_for_its_cost() {
 #[test]
 fn a_trait_is_shown_where_it_pays_for_its_delay() {
     // A step of half a second to the target walks backwards; one ahead is longer by so many frames.
-    for (trait_at, cost_s) in (0..7).flat_map(|t| [(t, 0.0), (t, 2.0)]) {
-        let mut costs = [0.0; 7];
+    for (trait_at, cost_s) in (0..8).flat_map(|t| [(t, 0.0), (t, 2.0)]) {
+        let mut costs = [0.0; 8];
         costs[trait_at] = cost_s;
-        let [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made] = costs;
-        let costs = CostsConfig { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made };
+        let [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made, running] = costs;
+        let costs =
+            CostsConfig { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made, running };
         for transition_cost_s in [0.0, 1.0] {
             for longer in [15, 150] {
                 let step = Planar::new(0.0, 2.0, 0.0);
@@ -76,7 +77,7 @@ fn a_trait_is_shown_where_it_pays_for_its_delay() {
                     vec![segment(1, 15, step), segment(1, 15 + longer, step), segment(1, 10, Planar::IDENTITY)];
                 let mut model = model(&[0, 2, 3], &[0, 1, 2], segments);
                 model.action_errors = vec![0.1; 3];
-                model.action_traits = vec![[0.0; 7]; 3];
+                model.action_traits = vec![[0.0; 8]; 3];
                 model.action_traits[0][trait_at] = 0.5;
                 let grid = GridConfig::polar(9, 9, 4.0, 0.4, 1.0);
                 let config = PolicyBehaviourConfig {

@@ -77,13 +77,14 @@ pub fn random_model(rng: &mut Pcg64, num_states: u32) -> ActionModel {
 }
 
 /// Costs in the order of traits (s).
-const COSTS: [f64; 7] = [2.0, 0.7, 0.4, 0.9, 1.5, 0.3, 0.6];
+const COSTS: [f64; 8] = [2.0, 0.7, 0.4, 0.9, 1.5, 0.3, 0.6, 1.1];
 
 pub fn approach(rings: u32, angles: u32, reward: RewardForm, discount: f64) -> Approach {
     let reward = Some(reward);
     let grid = GridConfig::polar(rings, angles, 3.0, 0.4, 1.0);
-    let [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made] = COSTS;
-    let costs = CostsConfig { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made };
+    let [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made, running] = COSTS;
+    let costs =
+        CostsConfig { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made, running };
     let config = PolicyBehaviourConfig {
         grid,
         reward,

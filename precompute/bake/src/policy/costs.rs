@@ -8,8 +8,8 @@ use throng_core::format::{Gait, MADE_TAG, MotionClass};
 use throng_motion::clip::{Clip, ClipSet};
 
 /// What an action shows: backwards, sideways, gesturing, carrying (s), transitions to another manner, transitions
-/// within standing (0 or 1), and made motion (s).
-pub type ActionTraits = [f32; 7];
+/// within standing (0 or 1), made motion, and running (s).
+pub type ActionTraits = [f32; 8];
 
 /// Half of the time over which travel and front are measured (s).
 const HALF_S: f64 = 0.25;
@@ -17,6 +17,9 @@ const HALF_S: f64 = 0.25;
 const OFF_FRONT: [f32; 2] = [std::f32::consts::FRAC_1_SQRT_2, -0.5];
 /// Share of made motion that counts where nobody goes anywhere: without small steps people would stay short of targets.
 const MADE_ON_THE_SPOT: f32 = 0.1;
+
+/// Captured walking from which on running counts (s).
+const WALKS_S: f64 = 10.0;
 
 /// Share of a change of manner that counts where people keep neither of the two.
 const WITHIN_KEPT: f32 = 0.0625;
@@ -29,21 +32,28 @@ pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Acti
         (clip, (frame - starts[clip]) as usize)
     };
     let class = |frame: u32| clips.clips[at(frame).0].class_at(at(frame).1);
-    let of_frames: Vec<Vec<[f32; 5]>> = clips.clips.iter().map(frame_traits).collect();
+    let of_frames: Vec<Vec<[f32; 6]>> = clips.clips.iter().map(frame_traits).collect();
     let of_segments = graph.segments.iter().map(|s| {
         let ((clip, first), n) = (at(s.start.0), s.num_frames as usize);
-        let mut sums = [0.0; 5];
+        let mut sums = [0.0; 6];
         for frame in &of_frames[clip][first..first + n] {
             sums.iter_mut().zip(frame).for_each(|(sum, share)| *sum += share / clips.clips[clip].rate_hz as f32);
         }
         (sums, (first..=first + n).all(|f| clips.clips[clip].class_at(f).is_some_and(is_stand)))
     });
-    let of_segments: Vec<([f32; 5], bool)> = of_segments.collect();
+    let mut of_segments: Vec<([f32; 6], bool)> = of_segments.collect();
+    let walking_s = graph.segments.iter().zip(&of_segments).map(|(s, (traits, _))| {
+        let walks = class(s.start.0 + s.num_frames / 2).is_some_and(|c| c.gait == Gait::Walk) && traits[4] == 0.0;
+        f64::from(u32::from(walks) * s.num_frames) / clips.clips[at(s.start.0).0].rate_hz
+    });
+    if walking_s.sum::<f64>() < WALKS_S {
+        of_segments.iter_mut().for_each(|(traits, _)| traits[5] = 0.0);
+    }
     let mut out = Vec::with_capacity(graph.actions.len());
     for (state, pair) in graph.states.iter().zip(graph.action_offsets.windows(2)) {
         for action in &graph.actions[pair[0] as usize..pair[1] as usize] {
             let segment = action.segment.0 as usize;
-            let ([backwards, sideways, gesture, carrying, made], is_standing) = of_segments[segment];
+            let ([backwards, sideways, gesture, carrying, made, running], is_standing) = of_segments[segment];
             let entered = graph.segments[segment].start;
             let (mut manner, mut standing) = (0.0, 0.0);
             if let (false, Some(from), Some(to)) = (entered == *state, class(state.0), class(entered.0)) {
@@ -51,7 +61,7 @@ pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Acti
                 manner = if kept != other { 1.0 } else { WITHIN_KEPT * f32::from(from.manner != to.manner) };
                 standing = f32::from(is_stand(from) && is_standing);
             }
-            out.push([backwards, sideways, gesture, carrying, manner, standing, made]);
+            out.push([backwards, sideways, gesture, carrying, manner, standing, made, running]);
         }
     }
     out
@@ -61,8 +71,8 @@ fn is_stand(class: &MotionClass) -> bool {
     class.gait == Gait::Stand
 }
 
-/// Shares of every frame that go backwards, go sideways, gesture, carry and are made.
-fn frame_traits(clip: &Clip) -> Vec<[f32; 5]> {
+/// Shares of every frame that go backwards, go sideways, gesture, carry, are made, and run.
+fn frame_traits(clip: &Clip) -> Vec<[f32; 6]> {
     let (n, half) = (clip.num_frames(), ((HALF_S * clip.rate_hz).round() as usize).max(1));
     let roots: Vec<_> = (0..n).map(|f| clip.planar(f)).collect();
     let is_made = |f: usize| clip.tags.iter().any(|t| t.name == MADE_TAG && t.range.contains(&f));
@@ -80,6 +90,7 @@ fn frame_traits(clip: &Clip) -> Vec<[f32; 5]> {
             f32::from(class.is_some_and(gestures)),
             f32::from(class.is_some_and(|c| c.carrying)),
             if is_made(f) { if goes { 1.0 } else { MADE_ON_THE_SPOT } } else { 0.0 },
+            f32::from(class.is_some_and(|c| c.gait == Gait::Run)),
         ]
     };
     (0..n).map(of_frame).collect()
@@ -148,10 +159,38 @@ mod tests {
             let range = graph.action_offsets[state] as usize..graph.action_offsets[state + 1] as usize;
             traits[range].iter().map(|t| t.map(|v| (v * 100.0).round() as i32)).collect::<Vec<_>>()
         };
-        assert_eq!(of(0), [[0; 7]], "a clip that goes on");
-        let (back, side, bow) = ([100, 0, 0, 0, 0, 0, 0], [0, 100, 0, 0, 100, 0, 0], [0, 0, 100, 0, 0, 0, 0]);
-        assert_eq!(of(1), [[0; 7], back, side, [0, 0, 0, 0, 0, 0, 5], bow]);
-        let from_standing = [[0; 7], back, side, [0, 0, 0, 0, 0, 100, 5], [0, 0, 100, 0, 0, 100, 0]];
+        assert_eq!(of(0), [[0; 8]], "a clip that goes on");
+        let (back, side, bow) = ([100, 0, 0, 0, 0, 0, 0, 0], [0, 100, 0, 0, 100, 0, 0, 0], [0, 0, 100, 0, 0, 0, 0, 0]);
+        assert_eq!(of(1), [[0; 8], back, side, [0, 0, 0, 0, 0, 0, 5, 0], bow]);
+        let from_standing = [[0; 8], back, side, [0, 0, 0, 0, 0, 100, 5, 0], [0, 0, 100, 0, 0, 100, 0, 0]];
         assert_eq!(of(7), from_standing);
+    }
+
+    #[test]
+    fn running_counts_where_people_can_walk() {
+        let of = |gait| MotionClass { gait, ..MotionClass::default() };
+        for (seconds, is_made, share) in [(9, false, 0.0), (11, false, 1.0), (11, true, 0.0)] {
+            let mut walk = clip("walk", 30 * seconds + 1, 0.04 * Vec3::Z, of(Gait::Walk));
+            walk.tags = vec![ClipTag { name: MADE_TAG.into(), range: 0..30 * usize::from(is_made) * seconds }];
+            let run = clip("run", 31, 0.1 * Vec3::Z, of(Gait::Run));
+            let clips = ClipSet { skeleton: Skeleton::default(), clips: vec![walk, run] };
+            let (end, displacement) = (30 * seconds as u32, Planar::IDENTITY);
+            let segment = |(start, num_frames, end)| GraphSegment {
+                start: FrameId(start),
+                num_frames,
+                end: StateId(end),
+                displacement,
+            };
+            let graph = RawMotionGraph {
+                states: vec![FrameId(end), FrameId(end + 31)],
+                segments: [(0, end, 0), (end + 1, 30, 1)].map(segment).to_vec(),
+                actions: [0, 1].map(|s| GraphAction { segment: SegmentId(s), error: 0.0 }).to_vec(),
+                action_offsets: vec![0, 2, 2],
+                ..RawMotionGraph::default()
+            };
+            let traits = action_traits(&clips, &graph);
+            assert!(traits[0][..6] == [0.0; 6] && traits[0][7] == 0.0, "walking costs nothing");
+            assert!((traits[1][7] - share).abs() < 0.01 && traits[1][..7] == [0.0; 7], "{seconds} s: {:?}", traits[1]);
+        }
     }
 }

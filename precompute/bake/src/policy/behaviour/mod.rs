@@ -44,7 +44,7 @@ pub struct ActionCosts {
     /// Cost of the square of a transition's distance: 1, or 0 where transitions cost nothing.
     pub transition: f64,
     /// Costs of the traits of actions, in the order of [`super::ActionTraits`].
-    pub traits: [f64; 7],
+    pub traits: [f64; 8],
 }
 
 impl<'a> BehaviourSpec<'a> {

@@ -24,6 +24,8 @@ pub struct CostsConfig {
     pub standing_change_s: f64,
     /// Made motion, on the spot a tenth of it (s a second of it, 0 to 60).
     pub made: f64,
+    /// Running, where there is walking to go on with (s a second of it, 0 to 60).
+    pub running: f64,
 }
 
 impl Default for CostsConfig {
@@ -36,6 +38,7 @@ impl Default for CostsConfig {
             manner_change_s: 4.8,
             standing_change_s: 0.0,
             made: 0.6,
+            running: 3.0,
         }
     }
 }
@@ -50,16 +53,17 @@ impl CostsConfig {
         manner_change_s: 0.0,
         standing_change_s: 0.0,
         made: 0.0,
+        running: 0.0,
     };
 
     /// Costs in the order of [`super::super::ActionTraits`].
-    pub(in crate::policy) fn to_array(self) -> [f64; 7] {
-        let Self { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made } = self;
-        [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made]
+    pub(in crate::policy) fn to_array(self) -> [f64; 8] {
+        let Self { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made, running } = self;
+        [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made, running]
     }
 
     pub(super) fn check(self) -> Result<()> {
-        let keys = ["backwards", "sideways", "gesture", "carrying", "manner_change_s", "standing_change_s", "made"];
+        let keys = ["backwards", "sideways", "gesture", "carrying", "manner_change_s", "standing_change_s", "made", "running"];
         let ranges: Vec<_> = keys.into_iter().zip(self.to_array()).map(|(key, cost)| (key, cost, 0.0, 60.0)).collect();
         check_ranges(ranges).map_err(|e| e.within_key("costs"))
     }
