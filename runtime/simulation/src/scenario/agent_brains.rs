@@ -332,7 +332,7 @@ impl AgentBrains {
         let Occasion { agent, context } = on;
         self.evaluations += 1;
         let mut draws = self.brains[agent as usize].draws;
-        let mut view = AgentView { brains: self, stage, agent, context, draws: &mut draws };
+        let mut view = AgentView { brains: self, stage, agent, context, now: self.now, draws: &mut draws };
         let value = run_program(&self.scenario.code, program, &mut view);
         self.brains[agent as usize].draws = draws;
         value

@@ -128,8 +128,13 @@ pub(crate) struct AgentsView<'a, S> {
 
 impl<S: ScenarioStage> BrainsView<'_, S> {
     fn evaluate(&self, agent: u32, program: Program) -> f64 {
-        let (brains, stage, context) = (self.brains, self.agents.stage, EventContext::default());
-        run_program(&brains.scenario.code, program, &mut AgentView { brains, stage, agent, context, draws: &mut 0 })
+        let (brains, stage, now) = (self.brains, self.agents.stage, self.agents.now);
+        let context = EventContext::default();
+        run_program(
+            &brains.scenario.code,
+            program,
+            &mut AgentView { brains, stage, agent, context, now, draws: &mut 0 },
+        )
     }
 
     fn holds(&self, agent: u32, program: Program) -> bool {

@@ -13,6 +13,8 @@ pub(super) struct AgentView<'a, S> {
     pub stage: &'a S,
     pub agent: u32,
     pub context: EventContext,
+    /// Time (s).
+    pub now: f64,
     /// Number of random numbers that the agent has drawn so far.
     pub draws: &'a mut u32,
 }
@@ -50,7 +52,7 @@ impl<S: ScenarioStage> AgentView<'_, S> {
         match of {
             Attribute::Value(v) => {
                 let (v, tables) = (usize::from(v), &brains.scenario.values);
-                f64::from(brains.feelings[m * tables.len() + v].value_at(&tables[v], brains.now))
+                f64::from(brains.feelings[m * tables.len() + v].value_at(&tables[v], self.now))
             }
             Attribute::X => f64::from(position().x),
             Attribute::Y => f64::from(position().y),
@@ -62,7 +64,7 @@ impl<S: ScenarioStage> AgentView<'_, S> {
                 NO_NUMBER => -1.0,
                 state => f64::from(brains.scenario.states[usize::from(state)].word),
             },
-            Attribute::StateSeconds => brains.now - brain.state_since,
+            Attribute::StateSeconds => self.now - brain.state_since,
             Attribute::News => f64::from_bits(brain.news),
             Attribute::Waits => {
                 let slot = brains.scenario.slots.get(brain.slot as usize);
@@ -92,7 +94,7 @@ impl<S: ScenarioStage> Perception for AgentView<'_, S> {
     fn load_value(&mut self, what: Load) -> f64 {
         let brains = self.brains;
         match what {
-            Load::Time => brains.now,
+            Load::Time => self.now,
             Load::Random => {
                 *self.draws += 1;
                 hashed_chance(brains.seed, self.agent, *self.draws)
@@ -103,13 +105,13 @@ impl<S: ScenarioStage> Perception for AgentView<'_, S> {
                 (EventAttribute::How, _) => f64::from(self.context.how as u8),
                 (_, NO_NUMBER) => -1.0,
                 (EventAttribute::Name, event) => f64::from(event),
-                (EventAttribute::Age, event) => brains.now - brains.happened[usize::from(event)],
+                (EventAttribute::Age, event) => self.now - brains.happened[usize::from(event)],
             },
             Load::Place(spot, of) => self.place_number(spot).map_or(-1.0, |place| self.place_value(place, of)),
-            Load::Blackboard(false) => f64::from_bits(brains.blackboards.global_events(brains.now)),
+            Load::Blackboard(false) => f64::from_bits(brains.blackboards.global_events(self.now)),
             Load::Blackboard(true) => {
                 let at = self.stage.position(self.agent).unwrap_or_default();
-                f64::from_bits(brains.blackboards.events_at(at, brains.now))
+                f64::from_bits(brains.blackboards.events_at(at, self.now))
             }
             Load::Distance(a, b) => match (self.spot_position(a), self.spot_position(b)) {
                 (Some(a), Some(b)) => f64::from(a.distance(b)),
