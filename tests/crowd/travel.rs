@@ -1,10 +1,10 @@
 //! Captured people on the way to goals: they find their way round walls, make way for each other, and never overlap.
 
 use crate::common;
-use glam::Vec2;
-use throng_core::Inline;
+use glam::{Vec2, Vec3};
 use throng_core::stops::BODY_RADIUS_M;
-use throng_simulation::{AnyCharacterGroup, CharacterEvent, MotionKind, Scene, Simulation};
+use throng_core::{Error, Inline};
+use throng_simulation::{AnyCharacterGroup, CharacterEvent, MotionKind, Order, Scene, Simulation};
 
 /// A scene of people with a small bundle of walking.
 fn people(text: &str) -> Result<Simulation, String> {
@@ -159,4 +159,48 @@ fn what_cannot_be_is_refused_with_its_key() {
     assert!(told.contains("groups[0]") && told.contains("environment.obstacles[0]"), "{told}");
     let told = refused(&group(1, [[0.0, 0.0], [1.0, 1.0]], "point = { at = [0.0] }"));
     assert!(told.contains("groups[0].goal.point.at"), "{told}");
+}
+
+#[test]
+fn people_go_stop_turn_and_follow_as_they_are_ordered() {
+    let text = group(4, [[-4.0, -9.0], [4.0, -5.0]], "shift = { by = [0.0, 9.0] }") + "at_end = \"leave\"\n";
+    let mut sim = people(&format!("{text}{}", wall([0.0, -2.0], [9.0, -2.0]))).unwrap();
+    let at = |sim: &Simulation, who| sim.root(who).map(|r| Vec2::new(r.x, r.z)).unwrap();
+    let step = |sim: &mut Simulation, seconds: f64| {
+        let mut arrived = Vec::new();
+        for _ in 0..(seconds * 30.0) as usize {
+            sim.step(1.0 / 30.0).unwrap();
+            arrived.extend(sim.events().iter().filter(|e| e.kind == CharacterEvent::Arrived).map(|e| e.who));
+        }
+        arrived
+    };
+    step(&mut sim, 0.5);
+    let goal = Vec2::new(6.0, 3.0);
+    sim.order(0, Order::go(Vec3::new(goal.x, 0.0, goal.y)).arrive_facing(2.0)).unwrap();
+    sim.order(1, Order::stop()).unwrap();
+    sim.order(2, Order::follow(0)).unwrap();
+    let arrived = step(&mut sim, 30.0);
+    assert!(arrived.contains(&0) && at(&sim, 0).distance(goal) < 1.0, "at {}", at(&sim, 0));
+    let facing = sim.root(0).unwrap().heading;
+    assert!((facing - 2.0).sin().abs() < 0.3 && (facing - 2.0).cos() > 0.0, "faces {facing}");
+    let far = at(&sim, 2).distance(at(&sim, 0));
+    assert!((0.4..2.8).contains(&far), "follows at {far} m");
+    assert!(sim.root(3).is_none(), "who has no order leaves");
+    let stands = at(&sim, 1);
+    sim.order(1, Order::turn_to(-1.0)).unwrap();
+    step(&mut sim, 4.0);
+    let turned = sim.root(1).unwrap().heading + 1.0;
+    assert!(at(&sim, 1).distance(stands) < 0.5 && turned.sin().abs() < 0.3 && turned.cos() > 0.0, "{turned} rad off");
+    assert!(matches!(sim.order(3, Order::stop()), Err(Error::Gone(_))));
+    let told = sim.order(0, Order::stop().at_speed(1.0)).unwrap_err().to_string();
+    assert!(told.contains("people.toml") && told.contains("speeds of their motion"), "{told}");
+    // A snapshot in the middle of orders goes on bit by bit, in a simulation with others.
+    sim.order(1, Order::go(Vec3::new(-6.0, 0.0, 4.0))).unwrap();
+    step(&mut sim, 1.0);
+    let kept = sim.snapshot();
+    let mut other = people(&format!("{text}{}", wall([0.0, -2.0], [9.0, -2.0]))).unwrap();
+    other.order(2, Order::go(Vec3::new(0.0, 0.0, -12.0))).unwrap();
+    step(&mut other, 1.0);
+    other.restore(&kept).unwrap();
+    assert_eq!([&mut sim, &mut other].map(|sim| (step(sim, 5.0), sim.hash()))[0], (Vec::new(), other.hash()));
 }

@@ -265,6 +265,17 @@ impl Navigation {
         Ok(())
     }
 
+    /// Gives a body in a level another route, see [`Navigation::set_route`].
+    ///
+    /// # Errors
+    /// As [`Navigation::add_body_in_level`]; nothing has changed then.
+    pub fn set_route_in_level(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<()> {
+        let route = self.prepare_route_in_level(body, route, at)?;
+        self.set_route(body, &route.clone().map(|p| p.xz()), at.xz())?;
+        self.level.iter_mut().for_each(|level| level.set_heights(body, &route));
+        Ok(())
+    }
+
     /// Opens an obstacle, or closes it: see [`Streets::set_open`]. In a level there are none.
     ///
     /// # Errors

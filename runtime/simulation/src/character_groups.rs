@@ -1,12 +1,12 @@
 //! List of all kinds of motion: a new kind gets a line at the end.
 
-use crate::SimulationEvent;
 use crate::agents::SceneAgents;
 use crate::boxing::{Bouts, Practice};
 use crate::inhabitant_group::InhabitantGroup;
 use crate::motion_kind::{GroupStep, MotionKind};
 use crate::travellers::Travellers;
 use crate::wander::Wanderers;
+use crate::{Order, SimulationEvent};
 use glam::{Vec2, Vec3};
 use throng_base::Result;
 use throng_base::ground::ReservedRegion;
@@ -43,6 +43,12 @@ macro_rules! kinds {
             }
             fn hash(&self) -> u64 {
                 match self { $(Self::$name(k) => k.hash()),* }
+            }
+            fn order(&mut self, number: usize, goal: Option<(Vec3, f32)>, order: &Order) -> Result<()> {
+                match self { $(Self::$name(k) => k.order(number, goal, order)),* }
+            }
+            fn turn_to(&mut self, number: usize, heading: f32) -> Result<()> {
+                match self { $(Self::$name(k) => k.turn_to(number, heading)),* }
             }
             fn root(&self, number: usize) -> Option<Planar> {
                 match self { $(Self::$name(k) => k.root(number)),* }

@@ -1,10 +1,10 @@
 //! Interface of all kinds of motion. A new kind implements [`MotionKind`], and gets one line in `character_groups.rs`.
 
-use crate::{CharacterEvent, SimulationEvent};
+use crate::{CharacterEvent, Order, SimulationEvent};
 use glam::Vec3;
 use throng_base::error::ensure;
 use throng_base::ground::ReservedRegion;
-use throng_base::{Bytes, Error, Executor, Hash128, Result};
+use throng_base::{Bytes, Error, Executor, Hash128, Id, Result};
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Inputs of one step of a group.
@@ -65,6 +65,19 @@ pub trait MotionKind {
         let mut bytes = Vec::new();
         self.save(&mut bytes);
         Hash128::hash_bytes(&bytes) as u64
+    }
+
+    /// Lets a character go to a goal, with the distance from it at which it has arrived (m), or stop without one.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::NoPath`], [`throng_base::Error::Value`] for what it cannot do; nothing has changed then.
+    fn order(&mut self, number: usize, _goal: Option<(Vec3, f32)>, _order: &Order) -> Result<()> {
+        Err(Error::Gone(Id::first(number)))
+    }
+
+    /// Lets a character that stands turn to a heading (rad).
+    fn turn_to(&mut self, _number: usize, _heading: f32) -> Result<()> {
+        Ok(())
     }
 
     /// Position and heading of a character; `None` where it has left.

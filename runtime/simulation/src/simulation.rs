@@ -6,7 +6,8 @@ use crate::character_groups::AnyCharacterGroup;
 use crate::compile::CompiledScene;
 use crate::inhabitant_group::InhabitantGroup;
 use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, saved_bytes};
-use crate::scenario::AgentBrains;
+use crate::order::Order;
+use crate::scenario::{AgentBrains, BrainChange, Explanation};
 use crate::scene::{GroupConfig, GroupMotion, Scene, SpaceConfig};
 use crate::sparring::StruckPart;
 use crate::travellers::Travellers;
@@ -14,14 +15,22 @@ use crate::wander::Wanderers;
 use glam::{Quat, Vec2, Vec3};
 use std::ops::Range;
 use std::time::Instant;
+use throng_base::error::{check_index, check_value};
 use throng_base::ground::{ExternalObstacles, ReservedRegion};
 use throng_base::limits::STEP_S;
 use throng_base::maths;
-use throng_base::{Bytes, Executor, Inline, Result, SnapshotKind, StateHash};
+use throng_base::{Bytes, Error, Executor, Id, Inline, Result, SnapshotKind, StateHash};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Events of one character in one step for which there is memory from the start.
 const EVENTS_EACH: usize = 4;
+/// Time after which goals that move are looked at again (s), and the distance from which they have moved (m).
+const RENEWS_S: f64 = 0.5;
+const MOVED_M: f32 = 0.3;
+
+/// Refusals of people who can do less.
+const NO_ORDERS: &str = "its people take no orders; agents do, and people of `motion = \"policy\"` with a `goal`";
+const NO_BRAIN: &str = "its people have no brains; agents have, where the scene has rules, events or graphs";
 
 /// Simulation of a scene.
 ///
@@ -50,6 +59,8 @@ pub struct Simulation {
     reserved: Vec<ReservedRegion>,
     /// True for each door that is open.
     open_doors: Vec<bool>,
+    /// Order of each character, and the goal that it has by that; none before the first (num_characters).
+    orders: Vec<Option<(Order, Option<Vec3>)>>,
     /// Character group that was last informed of the current reserved regions; nothing has changed since.
     informed_group: Option<usize>,
     time_s: f64,
@@ -158,6 +169,7 @@ impl Simulation {
             events: Vec::new(),
             reserved: Vec::new(),
             open_doors: scene.scene().environment.doors.iter().map(|door| door.open).collect(),
+            orders: Vec::new(),
             informed_group: None,
             time_s: 0.0,
             busy_s: None,
@@ -194,6 +206,7 @@ impl Simulation {
             sim.firsts.push(sim.num_characters());
         }
         sim.events.reserve(EVENTS_EACH * sim.num_characters());
+        sim.orders = vec![None; sim.num_characters()];
         let mut moves_itself = ReservedRegion::default();
         scene.scene().environment.reserve_movers(0.0, &mut moves_itself);
         let has_own_clock =
@@ -230,6 +243,9 @@ impl Simulation {
     pub fn step_to(&mut self, until_s: f64, run: &dyn Executor) -> Result<()> {
         let dt_s = until_s - self.time_s;
         STEP_S.check("dt_s", None, dt_s)?;
+        if (self.time_s / RENEWS_S).floor() < (until_s / RENEWS_S).floor() {
+            self.renew_orders();
+        }
         self.events.clear();
         self.collect_reserved();
         self.informed_group = None;
@@ -249,6 +265,12 @@ impl Simulation {
             }
             if let (Some(busy), Some(begin)) = (&mut self.busy_s, begin) {
                 busy[c] += begin.elapsed().as_secs_f64();
+            }
+        }
+        for e in self.events.iter().filter(|e| e.kind == CharacterEvent::Arrived) {
+            if let Some((Order { heading: Some(heading), .. }, Some(_))) = self.orders[e.who] {
+                let (c, number) = place_of(&self.firsts, e.who);
+                self.character_groups[c].turn_to(number, heading)?;
             }
         }
         // Events of one character at one time are ordered by their rank.
@@ -321,7 +343,7 @@ impl Simulation {
     pub fn snapshot(&self) -> Vec<u8> {
         let groups = self.character_groups.iter().map(|group| saved_bytes(|out| group.save(out)));
         let mut out = Vec::new();
-        self.snapshot_kind().write(&(self.time_s, groups.collect::<Vec<_>>()), &mut out);
+        self.snapshot_kind().write(&(self.time_s, &self.orders, groups.collect::<Vec<_>>()), &mut out);
         out
     }
 
@@ -333,16 +355,22 @@ impl Simulation {
     /// changed then.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
-        let (time_s, saved): (f64, Vec<Bytes>) = kind.read_all(bytes)?;
+        let (time_s, orders, saved): (f64, Vec<Option<(Order, Option<Vec3>)>>, Vec<Bytes>) = kind.read_all(bytes)?;
         let is_own = saved.len() == self.character_groups.len() && (0.0..1e9).contains(&time_s);
         check_snapshot(is_own, kind.what, "it has another time or other groups")?;
+        let num = self.num_characters();
+        let is_sound = |(who, given): (usize, &Option<(Order, Option<Vec3>)>)| {
+            given.is_none_or(|(order, goal)| order.check(who, num).is_ok() && goal.is_none_or(Vec3::is_finite))
+        };
+        let are_orders = orders.len() == num && orders.iter().enumerate().all(is_sound);
+        check_snapshot(are_orders, kind.what, "its orders are impossible")?;
         let before = self.character_groups.clone();
         let mut both = self.character_groups.iter_mut().zip(&saved);
         if let Err(e) = both.try_for_each(|(character_group, bytes)| character_group.load(&bytes.0, time_s)) {
             self.character_groups = before;
             return Err(e);
         }
-        self.time_s = time_s;
+        (self.time_s, self.orders) = (time_s, orders);
         self.events.clear();
         self.informed_group = None;
         Ok(())
@@ -356,7 +384,7 @@ impl Simulation {
     }
 
     fn snapshot_kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "simulation", tag: *b"SIMU", version: 1, setup: self.scene.hash() }
+        SnapshotKind { what: "simulation", tag: *b"SIMU", version: 2, setup: self.scene.hash() }
     }
 
     /// Scene of the simulation.
@@ -468,8 +496,8 @@ impl Simulation {
 
     /// Character group of a character, and its number in there (who < num_characters).
     pub fn locate(&self, who: usize) -> (&AnyCharacterGroup, usize) {
-        let character_group = self.firsts.partition_point(|&f| f <= who) - 1;
-        (&self.character_groups[character_group], who - self.firsts[character_group])
+        let (character_group, number) = place_of(&self.firsts, who);
+        (&self.character_groups[character_group], number)
     }
 
     /// Brains of the scene's agents; `None` in a scene that has only goals.
@@ -501,19 +529,115 @@ impl Simulation {
         ground_agents(&self.character_groups).map(SceneAgents::handling_counts).unwrap_or_default()
     }
 
+    /// Gives a person an order: an agent, or a captured person on the way to a goal. What it did ends.
+    ///
+    /// # Errors
+    /// [`Error::Index`] and [`Error::Value`] for numbers out of range, [`Error::Gone`] for who is not there, [`Error::NoPath`], and
+    /// [`Error::Text`] with the group of people who take no orders; nothing has changed then.
+    pub fn order(&mut self, who: usize, order: Order) -> Result<()> {
+        order.check(who, self.num_characters())?;
+        let goal = self.give_order(who, order)?;
+        self.orders[who] = Some((order, goal));
+        Ok(())
+    }
+
+    /// Lets a person act by an order, and returns its goal.
+    fn give_order(&mut self, who: usize, order: Order) -> Result<Option<Vec3>> {
+        let (c, number) = place_of(&self.firsts, who);
+        self.root(who).ok_or(Error::Gone(Id::first(who)))?;
+        let own = self.disc(who).ok_or_else(|| self.refusal(who, NO_ORDERS))?;
+        let (goals, arrival_m) = order.goals(&own, order.whom().and_then(|whom| self.floor_position(whom)));
+        let mut given = Ok(());
+        for goal in goals.into_iter().flatten() {
+            given = self.character_groups[c].order(number, Some((goal, arrival_m)), &order);
+            if given.is_ok() {
+                return Ok(Some(goal));
+            }
+        }
+        given.and_then(|()| self.character_groups[c].order(number, None, &order)).map(|()| None)
+    }
+
+    /// Gives orders again whose goals have moved; who cannot get there any more goes on as before.
+    fn renew_orders(&mut self) {
+        for who in 0..self.orders.len() {
+            let Some((order, before)) = self.orders[who].filter(|(order, _)| order.is_renewed()) else { continue };
+            let Some(own) = self.root(who).and(self.disc(who)) else { continue };
+            let (goals, _) = order.goals(&own, order.whom().and_then(|whom| self.floor_position(whom)));
+            let is_same = match (goals[0], before) {
+                (Some(now), Some(before)) => now.distance(before) < MOVED_M,
+                (now, before) => now.is_none() && before.is_none(),
+            };
+            if !is_same && let Ok(goal) = self.give_order(who, order) {
+                self.orders[who] = Some((order, goal));
+            }
+        }
+    }
+
+    /// Position of a person on its floor; none where it has left (m).
+    fn floor_position(&self, who: usize) -> Option<Vec3> {
+        let root = self.root(who)?;
+        Some(self.disc(who).map_or(root.translation(), |disc| disc.centre))
+    }
+
+    /// Error for a person of whom something is asked that its group cannot do.
+    fn refusal(&self, who: usize, why: &str) -> Error {
+        let group = self.groups.iter().find(|g| g.characters.contains(&who)).map_or(0, |g| g.number);
+        self.scene().fault(&format!("groups[{group}]"), why)
+    }
+
     /// Raises an event of the scene now.
     ///
     /// # Errors
-    /// [`throng_base::Error::Unknown`] with the names of all events.
+    /// [`Error::Unknown`] with the names of all events.
     pub fn raise_event(&mut self, event: &str) -> Result<()> {
-        for character_group in &mut self.character_groups {
-            match character_group {
-                AnyCharacterGroup::Ground(agents) => return agents.raise_event(event),
-                AnyCharacterGroup::Air(agents) => return agents.raise_event(event),
-                _ => {}
-            }
+        let is_of_agents =
+            |group: &AnyCharacterGroup| matches!(group, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_));
+        match self.character_groups.iter().position(is_of_agents) {
+            Some(c) => self.change_brain(self.firsts[c], BrainChange::Event(event)),
+            None => Err(Error::Unknown { what: "event", name: event.into(), known: Vec::new() }),
         }
-        Err(throng_base::Error::Unknown { what: "event", name: event.into(), known: Vec::new() })
+    }
+
+    /// Raises an event for one agent alone, which learns of it.
+    ///
+    /// # Errors
+    /// As [`Simulation::raise_event`]; [`Error::Index`], [`Error::Gone`], and [`Error::Text`] for who has no brain.
+    pub fn raise_event_for(&mut self, who: usize, event: &str) -> Result<()> {
+        self.change_brain(who, BrainChange::Learn(event))
+    }
+
+    /// Sets a value of an agent, within the limits of the scene.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names of all values; else as [`Simulation::raise_event_for`].
+    pub fn set_value(&mut self, who: usize, name: &str, value: f32) -> Result<()> {
+        check_value("value", Some(Id::first(who)), value, value.is_finite(), "a finite number")?;
+        self.change_brain(who, BrainChange::Value(name, value))
+    }
+
+    /// States and values of an agent, what it does and why.
+    ///
+    /// # Errors
+    /// [`Error::Index`], and [`Error::Text`] for who has no brain.
+    pub fn explain(&self, who: usize) -> Result<Explanation> {
+        check_index("person", None, who, self.num_characters())?;
+        let (group, number) = self.locate(who);
+        let brains = match group {
+            AnyCharacterGroup::Ground(agents) => agents.brains(),
+            AnyCharacterGroup::Air(agents) => agents.brains(),
+            _ => None,
+        };
+        brains.map(|brains| brains.explain(number, self.time_s)).ok_or_else(|| self.refusal(who, NO_BRAIN))
+    }
+
+    fn change_brain(&mut self, who: usize, change: BrainChange<'_>) -> Result<()> {
+        check_index("person", None, who, self.num_characters())?;
+        let (c, number) = place_of(&self.firsts, who);
+        match &mut self.character_groups[c] {
+            AnyCharacterGroup::Ground(agents) => agents.change_brain(number, change),
+            AnyCharacterGroup::Air(agents) => agents.change_brain(number, change),
+            _ => Err(self.refusal(who, NO_BRAIN)),
+        }
     }
 
     /// True once the scene has ended.
@@ -537,6 +661,12 @@ impl Simulation {
     pub fn busy_s(&self) -> &[f64] {
         self.busy_s.as_deref().unwrap_or_default()
     }
+}
+
+/// Number of the character group of a character, and its number in there.
+fn place_of(firsts: &[usize], who: usize) -> (usize, usize) {
+    let character_group = firsts.partition_point(|&f| f <= who) - 1;
+    (character_group, who - firsts[character_group])
 }
 
 /// The agents on the ground, where there are any.

@@ -5,7 +5,7 @@ use crate::boxing::{characters_config, in_own_manner, resting_states, weighted_o
 use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, saved_bytes};
 use crate::scene::{AtEndConfig, Scene};
-use crate::{CharacterEvent, SimulationEvent};
+use crate::{CharacterEvent, Order, SimulationEvent};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f32::consts::PI;
 use std::sync::Arc;
+use throng_base::error::ensure;
 use throng_base::ground::ReservedRegion;
 use throng_base::maths;
 use throng_base::thresholds::{WAITS_BELOW_MPS, WALK_SPEED_MPS};
@@ -23,7 +24,7 @@ use throng_core::graph::MotionGraph;
 use throng_core::reserve::FloorWall;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
-use throng_crowd::{NavigatedBody, Navigation, NavigationAim, NavigationState, Route, Streets};
+use throng_crowd::{AtEnd, NavigatedBody, Navigation, NavigationAim, NavigationState, Route, Streets};
 use throng_geometry::Capsule2d;
 use throng_level::Level;
 
@@ -61,6 +62,8 @@ pub struct Travellers {
     people: PolicyCharacters,
     navigation: Navigation,
     travels: Vec<TravelState>,
+    /// What each does on its way, and its first route (num_characters).
+    begins: Vec<(PolicyOrder, Route<Vec3>)>,
     /// True for each door that is open.
     open_doors: Vec<bool>,
     layout: CrowdLayout<Vec2>,
@@ -74,10 +77,21 @@ struct TravelState {
     is_stuck: bool,
     /// True once it has been at its goal.
     has_arrived: bool,
+    /// Order that it follows in place of its first route.
+    order: Option<TravelOrder>,
+}
+
+/// Order of one character.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct TravelOrder {
+    /// Goal, and the place where it was given (m).
+    to: Vec3,
+    at: Vec3,
+    arrival_m: f32,
 }
 
 /// Snapshot of travels, around one of the characters.
-const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 3, setup: 0 };
+const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 4, setup: 0 };
 
 impl Travellers {
     /// Creates groups with one bundle, with all characters in place.
@@ -107,6 +121,7 @@ impl Travellers {
             people: PolicyCharacters::with_capacity(bundle, num, config).map_err(fault)?,
             navigation: Navigation::new(&Streets::new(&[], BODY_RADIUS_M)?, BODY_RADIUS_M, WALK_SPEED_MPS, num)?,
             travels: vec![TravelState::default(); num],
+            begins: Vec::with_capacity(num),
             open_doors: scene.environment.doors.iter().map(|door| door.open).collect(),
             layout,
             targets: Vec::with_capacity(num),
@@ -124,7 +139,7 @@ impl Travellers {
 
     /// Adds all people at their starts in streets.
     fn add_in_streets(&mut self, orders: &[PolicyOrder], states: &[u32]) -> Result<()> {
-        let Self { scene, groups, people, layout, open_doors, .. } = self;
+        let Self { scene, groups, people, layout, open_doors, begins, .. } = self;
         let mut streets = layout.setup.streets.clone().map_or_else(|| Streets::new(&[], BODY_RADIUS_M), Ok)?;
         let is_known = layout.setup.streets.is_some();
         for (d, &open) in open_doors.iter().enumerate().filter(|_| is_known) {
@@ -143,7 +158,9 @@ impl Travellers {
             let order = in_own_manner(order, &scene.groups[*of], id.index());
             people.order(id, order.with_target(agent.position.extend(0.0).xzy()))?;
             if let Some(route) = agent.route {
-                self.navigation.add_body(&layout.setup.routes[route], agent.position)?;
+                let route = &layout.setup.routes[route];
+                self.navigation.add_body(route, agent.position)?;
+                begins.push((order, route.clone().map(|p| p.extend(0.0).xzy())));
             }
         }
         Ok(())
@@ -164,7 +181,7 @@ impl Travellers {
 
     /// Adds all people at places of a level, on all its floors.
     fn add_on_all_floors(&mut self, level: &Level, orders: &[PolicyOrder], states: &[u32]) -> Result<()> {
-        let Self { scene, groups, people, layout, .. } = self;
+        let Self { scene, groups, people, layout, begins, .. } = self;
         self.navigation = Navigation::in_level(level, BODY_RADIUS_M, WALK_SPEED_MPS, self.travels.len())?;
         people.set_ground(ground_of_level(level)?);
         people.set_walls(walls_of_level(level));
@@ -191,6 +208,7 @@ impl Travellers {
                 let order = in_own_manner(*order, group, id.index());
                 people.order(id, order.with_target(at))?;
                 self.navigation.add_body_in_level(&route, at)?;
+                begins.push((order, route));
                 layout.add_person(g, [at.xz(), goal.xz()]);
             }
         }
@@ -237,6 +255,17 @@ impl Travellers {
     /// True for a character that makes no progress (number < num_characters).
     pub fn is_stuck(&self, number: usize) -> bool {
         self.travels[number].is_stuck
+    }
+
+    /// Sets the route of a character: that of its order, else its first one.
+    fn set_route(&mut self, number: usize, order: Option<&TravelOrder>) -> Result<()> {
+        let first = &self.begins[number].1;
+        let ordered = order.map(|o| Route { subgoals: vec![o.to], arrival_radius: o.arrival_m, at_end: AtEnd::Stay });
+        let (route, at) = (ordered.as_ref().unwrap_or(first), order.map_or(first.subgoals[0], |o| o.at));
+        match self.scene.level.as_ref().is_some_and(|level| level.all_floors) {
+            true => self.navigation.set_route_in_level(number, route, at),
+            false => self.navigation.set_route(number, &route.clone().map(|p| p.xz()), at.xz()),
+        }
     }
 
     /// Row of a character; none where it has left. Ids are numbered as characters, since nobody enters later.
@@ -391,13 +420,14 @@ impl MotionKind for Travellers {
             if aim.is_stuck && !travel.is_stuck {
                 events.push(tick.event(id.index(), CharacterEvent::Stuck));
             }
-            *travel = TravelState { has_arrived: travel.has_arrived || aim.has_arrived, is_stuck: aim.is_stuck };
+            (travel.has_arrived, travel.is_stuck) = (travel.has_arrived || aim.has_arrived, aim.is_stuck);
         }
         self.people.aim_all(&self.targets, &self.targets).map_err(|e| self.fault(e))?;
         self.people.step(tick.dt_s, tick.run).map_err(|e| self.fault(e))?;
         for number in 0..self.travels.len() {
             let leaves = self.scene.groups[self.layout.groups[number]].at_end == AtEndConfig::Leave;
-            if leaves && self.travels[number].has_arrived && self.row(number).is_some() {
+            let travel = &self.travels[number];
+            if leaves && travel.order.is_none() && travel.has_arrived && self.row(number).is_some() {
                 self.people.despawn(Id::first(number))?;
                 events.push(tick.event(number, CharacterEvent::Left));
             }
@@ -423,16 +453,50 @@ impl MotionKind for Travellers {
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
-        let (doors, state, travels, people): (Vec<bool>, NavigationState, Vec<_>, Bytes) = TRAVELS.read_all(bytes)?;
+        let (doors, state, travels, people): (Vec<bool>, NavigationState, Vec<TravelState>, Bytes) =
+            TRAVELS.read_all(bytes)?;
         check_snapshot(doors.len() == self.open_doors.len(), TRAVELS.what, "its doors are others")?;
         self.set_doors(&doors)?;
-        let is_on_routes = travels.len() == self.travels.len() && self.navigation.restore(&state);
-        check_snapshot(is_on_routes, TRAVELS.what, "its travels are on no route")?;
+        check_snapshot(travels.len() == self.travels.len(), TRAVELS.what, "its travels are others")?;
+        for number in 0..travels.len() {
+            let order = travels[number].order;
+            let set = if order == self.travels[number].order { Ok(()) } else { self.set_route(number, order.as_ref()) };
+            check_snapshot(set.is_ok(), TRAVELS.what, "an order of its leads nowhere")?;
+        }
+        check_snapshot(self.navigation.restore(&state), TRAVELS.what, "its travels are on no route")?;
         self.people.load(&people.0)?;
         let is_own = |id: &Id| id.index() < travels.len() && *id == Id::first(id.index());
         check_snapshot(self.people.ids().iter().all(is_own), TRAVELS.what, "its characters are others")?;
         self.travels = travels;
         Ok(())
+    }
+
+    fn order(&mut self, number: usize, goal: Option<(Vec3, f32)>, order: &Order) -> Result<()> {
+        let id = Id::first(number);
+        let row = self.row(number).ok_or(Error::Gone(id))?;
+        let why = "its people have the speeds of their motion: give no speed, or take `motion = \"blend\"`";
+        let key = format!("groups[{}]", self.layout.groups[number]);
+        ensure(!order.has_own_speed(), || self.scene.fault(&key, why))?;
+        let root = self.people.bodies().roots[row];
+        let at = Vec3::new(root.x, self.people.characters().floor_m(row), root.z);
+        let (to, arrival_m) = goal.unwrap_or((at, GOAL_NEAR_M));
+        let travel = TravelOrder { to, at, arrival_m };
+        let way = Capsule2d { from: at.xz(), to: to.xz(), radius_m: BODY_RADIUS_M };
+        let walls = self.scene.environment.walls_and_closed_doors(&self.open_doors);
+        let is_open = !order.is_steered() || !walls.iter().any(|wall| wall.intersects(&way));
+        ensure(is_open, || Error::NoPath { who: Some(id), from: at, to })?;
+        let set = self.set_route(number, Some(&travel));
+        let order_now = if set.is_ok() { Some(travel) } else { self.travels[number].order };
+        if goal.is_some() {
+            set?;
+        }
+        self.travels[number] = TravelState { order: order_now, has_arrived: goal.is_none(), is_stuck: false };
+        let stand = order.heading.map_or(PolicyOrder::STOP, PolicyOrder::turn_to);
+        self.people.order(id, if goal.is_some() { self.begins[number].0.with_target(at) } else { stand })
+    }
+
+    fn turn_to(&mut self, number: usize, heading: f32) -> Result<()> {
+        self.people.order(Id::first(number), PolicyOrder::turn_to(heading))
     }
 
     fn root(&self, number: usize) -> Option<Planar> {

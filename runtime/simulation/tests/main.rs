@@ -1,5 +1,6 @@
 //! Promises of simulations, one module each.
 
 mod gestures;
+mod orders;
 mod pedestrians;
-mod snapshot;
+pub(crate) mod snapshot;

@@ -89,10 +89,8 @@ impl Followers {
                 entered.map_err(|e| self.scene.fault(&self.key, e))?;
             }
         }
-        if outside.has_brains {
-            for agent in self.agents.clone() {
-                self.order_activity(outside, agent)?;
-            }
+        for agent in self.agents.clone() {
+            self.order_activity(outside, agent)?;
         }
         let done = self.troops.iter_mut().try_for_each(|t| t.step(crowd, tick.dt_s, tick.run));
         done.map_err(|e| self.scene.fault(&self.key, e))

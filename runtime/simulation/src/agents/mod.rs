@@ -15,17 +15,18 @@ pub use things::HandlingCounts;
 
 use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, single_pose};
-use crate::scenario::{AgentBrains, ScenarioStage};
+use crate::scenario::{AgentBrains, BrainChange, ScenarioStage};
 use crate::scene::{GroupConfig, GroupMotion};
-use crate::{CharacterEvent, SimulationEvent};
+use crate::{CharacterEvent, Order, SimulationEvent};
 use followers::Followers;
 use glam::{Quat, Vec2, Vec3};
 use stage::CrowdStage;
 use std::sync::Arc;
 use std::time::Instant;
+use throng_base::error::ensure;
 use throng_base::ground::ReservedRegion;
 use throng_base::maths;
-use throng_base::{Executor, Result};
+use throng_base::{Error, Executor, Result};
 use throng_core::walkers::Walkers;
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Crowd, CrowdError, CrowdEvent, CrowdEventKind, Id, Space};
@@ -43,6 +44,9 @@ pub struct SceneAgents<V> {
     /// Computing times so far, where they are measured.
     timings: Option<AgentTimings>,
 }
+
+/// Distance of the point to which an agent turns for a heading (m).
+const FACES_M: f32 = 100.0;
 
 /// Number of agents from which on a crowd runs faster on several threads.
 const PARALLEL_FROM: usize = 2000;
@@ -83,7 +87,6 @@ impl<V: Space> SceneAgents<V> {
             let doors: Vec<bool> = scene.environment.doors.iter().map(|d| d.open).collect();
             let mut brains = AgentBrains::new(Arc::clone(scenario), scene.seed, &doors);
             let speeds: Vec<f32> = agents.stage.layout.setup.agents.iter().map(|a| a.speed).collect();
-            agents.stage.has_brains = true;
             brains.begin_scene(&mut agents.stage, &speeds)?;
             agents.brains = Some(brains);
         }
@@ -161,19 +164,24 @@ impl<V: Space> SceneAgents<V> {
         self.timings
     }
 
-    /// Raises an event of the scene now.
+    /// Changes the brain of an agent, or of all.
     ///
     /// # Errors
-    /// [`throng_base::Error::Unknown`] with the events that there are, and as [`SceneAgents::advance`].
-    pub fn raise_event(&mut self, event: &str) -> Result<()> {
-        let now = self.stage.crowd.time_s();
-        match &mut self.brains {
-            Some(brains) => {
-                brains.clear_turns();
-                brains.raise_event(&mut self.stage, now, event)
-            }
-            None => Err(throng_base::Error::Unknown { what: "event", name: event.into(), known: Vec::new() }),
-        }
+    /// [`Error::Unknown`] for a name that there is not, [`Error::Gone`] for an agent that is not there, and as
+    /// [`SceneAgents::advance`].
+    pub(crate) fn change_brain(&mut self, agent: usize, change: BrainChange<'_>) -> Result<()> {
+        let (now, is_there) = (self.stage.crowd.time_s(), self.disc(agent).is_some());
+        ensure(is_there || matches!(change, BrainChange::Event(_)), || Error::Gone(Id::first(agent)))?;
+        let Some(brains) = &mut self.brains else {
+            let (what, name) = match change {
+                BrainChange::Event(name) | BrainChange::Learn(name) => ("event", name),
+                BrainChange::Value(name, _) => ("value", name),
+                BrainChange::Suspend => return Ok(()),
+            };
+            return Err(Error::Unknown { what, name: name.into(), known: Vec::new() });
+        };
+        brains.clear_turns();
+        brains.change(&mut self.stage, now, agent as u32, change)
     }
 
     /// Brains of the agents; `None` in a scene that has only goals.
@@ -336,6 +344,34 @@ impl<V: Space> MotionKind for SceneAgents<V> {
 
     fn num_characters(&self) -> usize {
         self.num_agents()
+    }
+
+    fn order(&mut self, number: usize, goal: Option<(Vec3, f32)>, order: &Order) -> Result<()> {
+        let (agent, disc) = (number as u32, self.disc(number));
+        let (from, radius) = disc.map_or((Vec3::ZERO, 0.0), |disc| (disc.centre, disc.radius));
+        let goes = match goal {
+            Some((at, _)) if order.is_steered() && !self.stage.sees(from, at, radius, false) => false,
+            Some((at, arrival_m)) => self.stage.order_walk(agent, at, arrival_m, false)?,
+            None => true,
+        };
+        ensure(goes, || Error::NoPath { who: Some(Id::first(number)), from, to: goal.map_or(from, |(at, _)| at) })?;
+        if let Some(speed) = order.speed_mps() {
+            self.stage.set_speed(agent, speed)?;
+        }
+        self.change_brain(number, BrainChange::Suspend)?;
+        self.stage.show_activity(agent, None, None);
+        match (goal, order.heading) {
+            (Some(_), _) => Ok(()),
+            (None, Some(heading)) => self.stage.order_halt(agent).and_then(|()| self.turn_to(number, heading)),
+            (None, None) => self.stage.order_halt(agent),
+        }
+    }
+
+    fn turn_to(&mut self, number: usize, heading: f32) -> Result<()> {
+        let at = self.disc(number).map_or(Vec3::ZERO, |disc| disc.centre);
+        let ahead = Vec3::new(maths::sin(heading), 0.0, maths::cos(heading));
+        self.stage.show_activity(number as u32, None, Some(at + ahead * FACES_M));
+        Ok(())
     }
 
     fn root(&self, number: usize) -> Option<Planar> {

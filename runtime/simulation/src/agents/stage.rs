@@ -43,8 +43,6 @@ pub(crate) struct CrowdStage<V> {
     pub things: Things,
     /// Agents that have entered since the last step of bodies.
     pub newcomers: Vec<u32>,
-    /// Whether agents have brains.
-    pub has_brains: bool,
     /// Computing time of finding paths, where it is measured (s).
     pub paths_s: Option<f64>,
 }
@@ -97,7 +95,6 @@ impl<V: Space> CrowdStage<V> {
             gestures: vec![None; num],
             things: Things::new(&layout.scene.things),
             newcomers: Vec::with_capacity(num),
-            has_brains: false,
             paths_s: None,
             layout,
         })

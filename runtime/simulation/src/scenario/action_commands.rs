@@ -61,7 +61,7 @@ impl AgentBrains {
     }
 
     /// Runs actions that take no time, up to the first one that takes time.
-    fn enter_action(&mut self, stage: &mut impl ScenarioStage, agent: u32, first: u32) -> Result<()> {
+    pub(super) fn enter_action(&mut self, stage: &mut impl ScenarioStage, agent: u32, first: u32) -> Result<()> {
         let m = agent as usize;
         let mut at = first;
         loop {
@@ -360,7 +360,8 @@ impl AgentBrains {
                 ActionOperand::Spot(spot) => {
                     let mut draws = 0;
                     said.targets[i] =
-                        AgentView { brains: self, stage, agent, context, draws: &mut draws }.spot_position(spot);
+                        AgentView { brains: self, stage, agent, context, now: self.now, draws: &mut draws }
+                            .spot_position(spot);
                 }
                 ActionOperand::Arrow => {
                     let arrow = self.scenario.places.get(usize::from(context.place)).and_then(|p| p.arrow);
@@ -428,14 +429,7 @@ impl AgentBrains {
                 let cell = said.amounts[1].map(|level| (at, level.clamp(0.0, 30.0) as u32));
                 self.blackboards.post_event(number, cell, BlackboardNote { by: agent, since: self.now, until });
             }
-            Effect::Learn => {
-                let event = usize::from(number);
-                if self.happened[event] == f64::NEG_INFINITY {
-                    self.happened[event] = self.now;
-                }
-                let context = EventContext { event: number, ..EventContext::default() };
-                self.learn_event(stage, agent, context);
-            }
+            Effect::Learn => self.learn_here(stage, agent, number),
             Effect::Convey => self.convey_event(stage, agent, number, &said),
             Effect::Befriend if context.other != NONE => {
                 self.change_relationship(agent, context.other, said.amount(0, 0.0) as f32)

@@ -23,6 +23,19 @@ const HEARING_CLEARANCE_M: f32 = 0.01;
 /// Time after which a door that could not close is tried again, and a source that found no room (s).
 pub(super) const RETRY_S: f64 = 0.5;
 
+/// Change of brains from outside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum BrainChange<'a> {
+    /// An event happens, to all whom it concerns.
+    Event(&'a str),
+    /// The agent alone learns of an event.
+    Learn(&'a str),
+    /// A value of the agent is set.
+    Value(&'a str, f32),
+    /// What the agent does ends; it stands until a rule lets it act.
+    Suspend,
+}
+
 impl AgentBrains {
     /// Runs all external events that are due: events of the scene, closing doors, and entries of agents.
     ///
@@ -66,16 +79,61 @@ impl AgentBrains {
         self.process_stimuli(stage)
     }
 
-    /// Raises an event on request of the application.
+    /// Changes what an application asks for, in one agent or in all.
     ///
     /// # Errors
-    /// As [`AgentBrains::begin_scene`]; [`throng_base::Error::Unknown`] for a name that no event has.
-    pub fn raise_event(&mut self, stage: &mut impl ScenarioStage, now: f64, event: &str) -> Result<()> {
-        let e = self.event_number(event)?;
+    /// As [`AgentBrains::begin_scene`]; [`throng_base::Error::Unknown`] for a name that no event or value has.
+    pub(crate) fn change(
+        &mut self,
+        stage: &mut impl ScenarioStage,
+        now: f64,
+        agent: u32,
+        change: BrainChange<'_>,
+    ) -> Result<()> {
         self.account_services(now);
         self.now = now;
-        self.fire_event(stage, e)?;
+        match change {
+            BrainChange::Event(name) => {
+                let e = self.event_number(name)?;
+                self.fire_event(stage, e)?;
+            }
+            BrainChange::Learn(name) => {
+                let e = self.event_number(name)?;
+                self.learn_here(stage, agent, e as u16);
+            }
+            BrainChange::Value(name, value) => {
+                let values = &self.scenario.names.values;
+                let unknown =
+                    || throng_base::Error::Unknown { what: "value", name: name.into(), known: values.0.clone() };
+                let number = values.number_of(name).ok_or_else(unknown)?;
+                self.change_value(agent, number as u16, |feeling| feeling.value = value);
+            }
+            BrainChange::Suspend => self.suspend(stage, agent)?,
+        }
         self.process_stimuli(stage)
+    }
+
+    /// Lets one agent learn of an event where it is.
+    pub(super) fn learn_here(&mut self, stage: &impl ScenarioStage, agent: u32, event: u16) {
+        let happened = &mut self.happened[usize::from(event)];
+        if *happened == f64::NEG_INFINITY {
+            *happened = self.now;
+        }
+        self.learn_event(stage, agent, EventContext { event, ..EventContext::default() });
+    }
+
+    /// Ends what an agent does; it stands until a rule lets it act.
+    fn suspend(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
+        self.end_handling(stage, agent, false);
+        self.release_slot(stage, agent)?;
+        let brain = &mut self.brains[agent as usize];
+        (brain.is_busy, brain.priority, brain.resumed) = (false, i8::MIN, NONE);
+        (brain.action, brain.phase, brain.begun) = (NONE, ActionPhase::Idle, brain.begun.wrapping_add(1));
+        (brain.stands_until_s, brain.acts_again_at_s, brain.gives_up_at_s) =
+            (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        self.engagements[agent as usize].runs_course = false;
+        self.mark_touched(agent);
+        Ok(())
     }
 
     /// Handles a signal of the crowd.

@@ -36,6 +36,7 @@ pub use blackboards::{BlackboardArea, BlackboardPost};
 pub(crate) use expectations::{AgentsView, ExpectationMeters};
 pub use expectations::{ExpectationOutcome, WorstAgent};
 pub use explain::{ActionCause, CurrentValue, EventSpread, Explanation, KnownEvent};
+pub(crate) use happenings::BrainChange;
 pub(crate) use perceive::hashed_chance;
 pub use sample::evaluate_sample;
 pub use services::{ServiceStatistics, SourceStatistics, TillStatistics};

@@ -3,7 +3,7 @@
 mod damage;
 mod doors;
 mod kinds;
-mod scenes;
+pub(crate) mod scenes;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_core::*;
