@@ -1,6 +1,6 @@
 //! Reactions of agents to stimuli: rules, state graphs, values that pass a threshold.
 
-use super::agent_brain::{ActionReason, EventContext, Feeling, NO_NUMBER, Occasion};
+use super::agent_brain::{ActionPhase, ActionReason, EventContext, Feeling, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, Stimulus};
 use super::happenings::RETRY_S;
 use super::stage::ScenarioStage;
@@ -69,12 +69,15 @@ impl AgentBrains {
             if let Some(edge) = self.choose_edge(stage, stimulus, edges) {
                 let EdgeTable { to, number, alone, .. } = self.scenario.edges[edge as usize];
                 let graph = usize::from(self.scenario.states[usize::from(state)].graph_number);
-                // A state that has ended begins again; one that goes on is left alone.
+                // A state that has ended begins again, one that came to nothing after a while; one that goes on is left alone.
                 let begins = to != state || stimulus.trigger == trigger::DONE;
+                let fails = is_of_behaviour && !begins && self.scenario.states[usize::from(state)].graph == NONE;
                 let kind = TurnKind::Takes { level, graph, edge: usize::from(number), changes: begins };
                 self.record_turn(stimulus, kind);
                 self.brains[m].reason = ActionReason { edge, ..self.new_reason(stimulus) };
-                if begins {
+                if fails {
+                    self.try_again(stage, stimulus.on.agent, state)?;
+                } else if begins {
                     self.enter_state(stage, stimulus.on, u32::from(to))?;
                     if !alone {
                         self.lead_party(stage, stimulus, state, kind)?;
@@ -220,6 +223,16 @@ impl AgentBrains {
         }
     }
 
+    /// Lets an agent that did not get what it came for stand, and begin its state again after a while; the end of its behaviour
+    /// counts no more.
+    fn try_again(&mut self, stage: &mut impl ScenarioStage, agent: u32, state: u16) -> Result<()> {
+        let brain = &mut self.brains[agent as usize];
+        brain.begun = brain.begun.wrapping_add(1);
+        (brain.action, brain.phase) = (self.scenario.states[usize::from(state)].actions, ActionPhase::Idle);
+        brain.acts_again_at_s = self.now + RETRY_S;
+        stage.order_halt(agent)
+    }
+
     /// Runs all thresholds, timers and actions of an agent that are due.
     pub(super) fn run_timers(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
         let m = agent as usize;
@@ -247,6 +260,9 @@ impl AgentBrains {
             return Ok(());
         }
         let brain = &self.brains[m];
+        if brain.phase == ActionPhase::Idle && brain.acts_again_at_s <= self.now {
+            return self.enter_action(stage, agent, brain.action);
+        }
         let is_over = brain.stands_until_s <= self.now || brain.gives_up_at_s <= self.now;
         if is_over || brain.acts_again_at_s <= self.now && self.run_primitive(stage, agent, true)? {
             return self.next_action(stage, agent);

@@ -71,10 +71,7 @@ impl AgentBrains {
         // Between two calls, only primitive behaviours go on.
         let is_doing = |brain: &AgentBrain| match scenario.actions.get(brain.action as usize) {
             Some(CompiledAction::Primitive { .. }) => true,
-            _ => {
-                brain.phase == ActionPhase::Idle
-                    && [brain.stands_until_s, brain.acts_again_at_s, brain.gives_up_at_s] == [f64::INFINITY; 3]
-            }
+            _ => brain.phase == ActionPhase::Idle && [brain.stands_until_s, brain.gives_up_at_s] == [f64::INFINITY; 2],
         };
         let is_action = |a: u32| a == NONE || (a as usize) < scenario.actions.len();
         let is_reason = |r: &ActionReason| {

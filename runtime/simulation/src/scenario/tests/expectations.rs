@@ -315,3 +315,31 @@ fn sources_admit_everybody_who_finds_room() {
     let that = "that.amount = \"count('comers')\"\ntake = \"max\"\nleast = 12";
     breaks(source, &source.replace("[[0.0, 2.0]]", "[[0.0, 0.05]]"), that);
 }
+
+#[test]
+fn expectations_read_the_time_at_which_they_are_measured() {
+    let still = "seconds = 20.0\n[values.v]\nrate_per_s = 1.0\nlimits = [0.0, 100.0]\n[[groups]]\nname = \"them\"\n\
+        motion = \"none\"\ncount = 4\nplace = { block = { from = [0.0, 0.0], to = [4.0, 4.0] } }\ngraph = \"g\"\n\
+        [graphs.g]\nlevel = \"social\"\nstart = \"a\"\nedges = []\n[graphs.g.states]\na = { do = [{ stay = 1000.0 }] }\n";
+    for what in ["time", "me.state_s", "me.v"] {
+        let late = outcome(still, &format!("that.never = \"{what} > 15\""));
+        assert!(!late.holds && (late.worst[0].time_s - 15.0).abs() < 0.1, "{what}: {late:?}");
+        assert!(outcome(still, &format!("that.never = \"{what} > 20.1\"")).holds, "{what}");
+    }
+}
+
+#[test]
+fn who_finds_a_line_full_tries_again_and_does_not_go_on_as_if_served() {
+    let scene = "seconds = 90.0\n[values.served]\n[[groups]]\nname = \"people\"\nmotion = \"none\"\ncount = 12\n\
+        place = { block = { from = [-8.0, -4.0], to = [0.0, 4.0] } }\ngraph = \"g\"\n\
+        [[places]]\nname = \"shop\"\nat = [5.0, 0.0]\nslots = [{ at = [6.0, 0.0] }]\n\
+        [[places]]\nname = \"line\"\nat = [4.0, 0.0]\nqueue = { points = [[4.0, 0.0], [1.0, 0.0]] }\n\
+        [[services]]\nname = \"s\"\ntills = \"shop\"\nlines = [\"line\"]\ntime_s = { fixed = 3 }\n\
+        [graphs.g]\nlevel = \"social\"\nstart = \"a\"\n\
+        edges = [{ from = \"a\", to = \"a\", on = \"full\" }, { from = \"a\", to = \"b\" }]\n[graphs.g.states]\n\
+        a = { do = [{ be_served = \"s\" }, { set = \"served\", to = 1 }] }\nb = { do = [{ leave = [9.0, 9.0] }] }\n";
+    let unserved = outcome(scene, "that.never = \"me.state == 'b' and me.served < 0.5\"");
+    assert!(unserved.holds, "{unserved:?}");
+    let all = outcome(scene, "that.passes = [\"me.served > 0.5\"]");
+    assert!(all.holds && all.values == 12, "{all:?}");
+}
