@@ -88,6 +88,12 @@ public:
     /// Works for the announced step until it is over; for any thread.
     void help() const { check(throng_simulation_help(handle_)); }
     void raise(const std::string &event) { check(throng_simulation_raise(handle_, event.c_str())); }
+    /// Orders to people of a scene, and changes of their brains.
+    void order(ThrongId who, const ThrongOrder &order) { check(throng_people_order(handle_, who, &order)); }
+    void raise_for(ThrongId who, const std::string &event) { check(throng_people_raise(handle_, who, event.c_str())); }
+    void set_value(ThrongId who, const std::string &name, float value) {
+        check(throng_people_set_value(handle_, who, name.c_str(), value));
+    }
 
     std::size_t count() const { return asked<std::size_t>(throng_simulation_count); }
     double time_s() const { return asked<double>(throng_simulation_time); }

@@ -7,6 +7,7 @@ mod fault;
 mod handles;
 mod instances;
 mod layout;
+mod people;
 mod read;
 mod scene;
 mod stage;
@@ -19,6 +20,7 @@ pub use instances::{
     throng_characters_set_detail,
 };
 pub use layout::{ThrongLayout, throng_layout_floats};
+pub use people::{ThrongOrder, throng_people_order, throng_people_raise, throng_people_set_value};
 pub use read::{
     ThrongEvent, ThrongHappened, ThrongRoot, throng_simulation_events, throng_simulation_roots,
     throng_simulation_write_matrices,

@@ -47,7 +47,7 @@ pub struct ThrongCharactersConfig {
 const _: () = assert!(size_of::<ThrongCharactersConfig>() == 40);
 
 /// Checks the size of the config, so that a caller of another version is refused before its memory is touched.
-fn check_size<T>(what: &str, size: usize) -> CallResult {
+pub fn check_size<T>(what: &str, size: usize) -> CallResult {
     let expected = size_of::<T>();
     let why = || format!("`{what}` is {size}, expected {expected}; compile with the header of this library");
     ensure(size == expected, || CallFault::new(ThrongStatus::Value, why()))

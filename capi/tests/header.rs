@@ -26,7 +26,7 @@ trait Sources {
 impl Sources for cbindgen::Builder {
     /// Every source file, in the order in which readers meet them.
     fn with_src_dirs(self, folder: &Path) -> Self {
-        const ORDER: [&str; 7] = ["fault", "tables", "stage", "scene", "layout", "read", "instances"];
+        const ORDER: [&str; 8] = ["fault", "tables", "stage", "scene", "people", "layout", "read", "instances"];
         let exports = |file: &Path| std::fs::read_to_string(file).is_ok_and(|text| text.contains("extern \"C\" fn"));
         for file in std::fs::read_dir(folder.join("src")).expect("sources").map(|file| file.expect("a file").path()) {
             let is_listed = ORDER.iter().any(|name| file.file_stem().is_some_and(|stem| stem == *name));

@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadwriteArray2, PyR
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
-use throng_runtime::simulation::{CharacterEvent, Scene, Simulation};
+use throng_runtime::simulation::{CharacterEvent, Order, Scene, Simulation};
 use throng_runtime::{Executor, Inline, Mat3x4, NUM_JOINTS, Rayon};
 
 /// A simulation of a scene, see `throng.Simulation`.
@@ -183,10 +183,45 @@ impl PySimulation {
         self.sim.events().iter().map(event).collect()
     }
 
-    /// Raises an event of the scene.
-    #[pyo3(name = "raise_event")]
-    fn raise(&mut self, event: &str) -> PyResult<()> {
-        self.sim.raise_event(event).map_err(error::runtime_error)
+    /// Raises an event of the scene, for one agent alone if `who` is given.
+    #[pyo3(name = "raise_event", signature = (event, who=None))]
+    fn raise(&mut self, event: &str, who: Option<usize>) -> PyResult<()> {
+        let raised = who.map_or_else(|| self.sim.raise_event(event), |who| self.sim.raise_event_for(who, event));
+        raised.map_err(error::runtime_error)
+    }
+
+    /// Sets a value of an agent's brain, within the limits of the scene.
+    fn set_value(&mut self, who: usize, name: &str, value: f32) -> PyResult<()> {
+        self.sim.set_value(who, name, value).map_err(error::runtime_error)
+    }
+
+    /// What an agent does and why, its states and values, in words.
+    fn explain(&self, who: usize) -> PyResult<String> {
+        self.sim.explain(who).map(|why| why.to_string()).map_err(error::runtime_error)
+    }
+
+    /// Sends a person to a place (x, y, z; m), at a speed of its own (m/s, agents alone); there it faces a heading (radians).
+    #[pyo3(signature = (who, place, *, speed=None, facing=None))]
+    fn go(&mut self, who: usize, place: [f32; 3], speed: Option<f32>, facing: Option<f32>) -> PyResult<()> {
+        let order = speed.map_or(Order::go(place.into()), |speed| Order::go(place.into()).at_speed(speed));
+        self.order(who, facing.map_or(order, |heading| order.arrive_facing(heading)))
+    }
+
+    /// Lets a person follow another one, and stand near it where it stands (m).
+    #[pyo3(signature = (who, whom, *, keeping=1.5))]
+    fn follow(&mut self, who: usize, whom: usize, keeping: f32) -> PyResult<()> {
+        self.order(who, Order::follow(whom).keeping(keeping))
+    }
+
+    /// Lets a person walk on at a velocity (x, z; m/s), as a player steers.
+    fn steer(&mut self, who: usize, velocity: [f32; 2]) -> PyResult<()> {
+        self.order(who, Order::steer(velocity.into()))
+    }
+
+    /// Lets a person stop, and turn to a heading if one is given (radians).
+    #[pyo3(signature = (who, *, facing=None))]
+    fn stop(&mut self, who: usize, facing: Option<f32>) -> PyResult<()> {
+        self.order(who, facing.map_or(Order::stop(), Order::turn_to))
     }
 
     /// The whole state, as bytes: after it is restored anywhere, later steps are the same bit by bit.
@@ -215,6 +250,10 @@ impl PySimulation {
 const POSE_LEN: usize = NUM_JOINTS * 12;
 
 impl PySimulation {
+    fn order(&mut self, who: usize, order: Order) -> PyResult<()> {
+        self.sim.order(who, order).map_err(error::runtime_error)
+    }
+
     /// Drops the arrays of the previous step; Python code that still holds them keeps them.
     fn forget_arrays(&mut self) {
         (self.roots, self.poses) = (None, None);

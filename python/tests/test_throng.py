@@ -133,6 +133,30 @@ def test_roots_of_a_moment_stay_as_they_were():
     assert sim.poses.shape == (200, 22, 3, 4) and np.isnan(sim.poses).all()
 
 
+def test_people_of_a_scene_take_orders():
+    sim = throng.Simulation(SQUARE)
+    for _ in range(30):
+        sim.step()
+    goal = sim.roots[0, :2] + [4.0, 0.0]
+    sim.go(0, (goal[0], 0.0, goal[1]), speed=1.5, facing=1.0)
+    sim.stop(1)
+    sim.follow(2, 0, keeping=2.0)
+    sim.steer(3, (0.0, 1.0))
+    for _ in range(300):
+        sim.step()
+    assert np.linalg.norm(sim.roots[0, :2] - goal) < 1.0
+    assert "agent 0 of" in sim.explain(0)
+    for wrong, why in [
+        (lambda: sim.go(0, (float("nan"), 0.0, 0.0)), "finite"),
+        (lambda: sim.follow(4, 4), "somebody else"),
+        (lambda: sim.stop(900), "900"),
+        (lambda: sim.set_value(0, "pluck", 1.0), "pluck"),
+        (lambda: sim.raise_event("gong", who=1), "gong"),
+    ]:
+        with pytest.raises(throng.InputError, match=why):
+            wrong()
+
+
 def test_a_pickled_snapshot_has_the_same_future_on_any_threads():
     sim, other = throng.Simulation(SQUARE), throng.Simulation(SQUARE)
     for _ in range(30):

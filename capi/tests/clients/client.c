@@ -103,6 +103,15 @@ static void misuse(ThrongBundle bundle, ThrongSimulation simulation, ThrongId id
     EXPECT(throng_simulation_step(simulation, -1.0), THRONG_STATUS_VALUE);
     EXPECT(throng_simulation_step(simulation, 0.0 / 0.0), THRONG_STATUS_VALUE);
     EXPECT(throng_simulation_raise(simulation, "fire"), THRONG_STATUS_UNSUPPORTED);
+    ThrongOrder order = {0};
+    EXPECT(throng_people_order(simulation, id, NULL), THRONG_STATUS_POINTER);
+    EXPECT(throng_people_order(simulation, id, &order), THRONG_STATUS_VALUE);
+    order.struct_size = sizeof order;
+    EXPECT(throng_people_order(simulation, id, &order), THRONG_STATUS_UNSUPPORTED);
+    order.task = 9;
+    EXPECT(throng_people_order(simulation, id, &order), THRONG_STATUS_VALUE);
+    EXPECT(throng_people_raise(simulation, id, "fire"), THRONG_STATUS_UNSUPPORTED);
+    EXPECT(throng_people_set_value(simulation, id, "hunger", 1.0f), THRONG_STATUS_UNSUPPORTED);
     EXPECT(throng_simulation_roots(simulation, NULL, 3, &size), THRONG_STATUS_POINTER);
     EXPECT(throng_simulation_restore(simulation, (const uint8_t *)"nonsense, but long enough", 25), THRONG_STATUS_FORMAT);
     EXPECT(throng_simulation_open("there/is/none.toml", &none), THRONG_STATUS_IO);
