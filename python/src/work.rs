@@ -11,7 +11,8 @@ use throng_precompute::cache::Cache;
 use throng_precompute::error::BuildError;
 use throng_precompute::progress::Progress;
 use throng_precompute::run::{BuildContext, News, ensure_scene};
-use throng_runtime::simulation::{CompiledScene, Scene};
+use throng_runtime::simulation::Scene;
+use throng_simulation::CompiledScene;
 
 /// Time between two checks for an interrupt.
 const CHECK_PERIOD: Duration = Duration::from_millis(50);

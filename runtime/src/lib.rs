@@ -88,13 +88,10 @@ pub mod world {
 /// Scenes: all kinds of motion on one clock, and the actions that an application adds to them.
 #[cfg(feature = "simulation")]
 pub mod simulation {
-    pub use throng_simulation::scenario::Explanation;
     pub use throng_simulation::scenario::{
         ActionArguments, ActionCommand, ActionRegistry, PrimitiveBehaviour, PrimitiveInput, WalkCommand, WordKind,
     };
-    pub use throng_simulation::{
-        CharacterEvent, CompiledScene, Order, Pedestrians, Scene, Simulation, SimulationEvent,
-    };
+    pub use throng_simulation::{CharacterEvent, Order, Pedestrians, Scene, Simulation, SimulationEvent};
 }
 
 /// Boxers, in pairs and before a target.
