@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::error::{check_index, check_value};
 use throng_base::thresholds::{DIRECTION_SHOWN_MPS, STANDING_MPS};
-use throng_base::{Id, Result};
+use throng_base::{Id, Result, maths};
 
 /// Distance from a goal at which a person has arrived, and usual distance to whom it follows (m).
 const ARRIVAL_M: f32 = 0.5;
@@ -123,6 +123,12 @@ impl Order {
     /// True where a speed is asked for beside the way.
     pub(crate) fn has_own_speed(&self) -> bool {
         self.speed_mps.is_some()
+    }
+
+    /// The order of who stands near another one, and faces it.
+    pub(crate) fn facing(self, own: &Disc, other: Option<Vec3>) -> Self {
+        let ahead = other.map(|at| maths::atan2(at.x - own.centre.x, at.z - own.centre.z));
+        Self { heading: self.heading.or(ahead), ..self }
     }
 
     /// Number of the person that it is about.

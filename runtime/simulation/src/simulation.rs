@@ -546,7 +546,8 @@ impl Simulation {
         let (c, number) = place_of(&self.firsts, who);
         self.root(who).ok_or(Error::Gone(Id::first(who)))?;
         let own = self.disc(who).ok_or_else(|| self.refusal(who, NO_ORDERS))?;
-        let (goals, arrival_m) = order.goals(&own, order.whom().and_then(|whom| self.floor_position(whom)));
+        let other = order.whom().and_then(|whom| self.floor_position(whom));
+        let (goals, arrival_m) = order.goals(&own, other);
         let mut given = Ok(());
         for goal in goals.into_iter().flatten() {
             given = self.character_groups[c].order(number, Some((goal, arrival_m)), &order);
@@ -554,7 +555,7 @@ impl Simulation {
                 return Ok(Some(goal));
             }
         }
-        given.and_then(|()| self.character_groups[c].order(number, None, &order)).map(|()| None)
+        given.and_then(|()| self.character_groups[c].order(number, None, &order.facing(&own, other))).map(|()| None)
     }
 
     /// Gives orders again whose goals have moved; who cannot get there any more goes on as before.

@@ -208,6 +208,10 @@ impl AgentBrains {
         if !matches!(command.walk, WalkCommand::Keep | WalkCommand::Along) {
             self.engagements[m].runs_course = false;
         }
+        if brain.phase == ActionPhase::Standing && !matches!(command.walk, WalkCommand::Keep | WalkCommand::Halt) {
+            // Who walks on faces where it goes.
+            stage.show_activity(agent, None, None);
+        }
         let goes = match command.walk {
             WalkCommand::Keep if joins.is_some() => return Ok(false),
             // An agent that stands already does not stop anew.

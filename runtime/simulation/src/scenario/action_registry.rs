@@ -367,7 +367,7 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
             let far = said.targets[0].filter(|at| (*at - sight.position).length() > near_m);
             let walk = far.map_or(WalkCommand::Halt, |at| WalkCommand::To { at, arrival_m });
             let (stay_s, most_s) = (f64::INFINITY, said.amount(2, 10.0));
-            ActionCommand { stay_s, again_s: 0.5, most_s, ..walk_at_speed(said, walk) }
+            ActionCommand { faces: said.targets[0], stay_s, again_s: 0.5, most_s, ..walk_at_speed(said, walk) }
         }
     ),
     primitive!("stay", [("stay", WordKind::Amount), MOTION], None, |_, said| ActionCommand::stay_for(

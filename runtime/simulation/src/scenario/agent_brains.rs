@@ -15,6 +15,8 @@ use std::sync::Arc;
 use throng_base::Result;
 use throng_base::error::ensure;
 
+/// Time between two looks at the conditions of events (s).
+const LOOKS_S: f64 = 0.25;
 /// Bit for meetings among those that agents sense of each other.
 const MEETINGS: u32 = 1 << 31;
 
@@ -200,7 +202,10 @@ impl AgentBrains {
     /// Time of the next external event (s).
     pub fn next_external_s(&self) -> f64 {
         let all = self.due.iter().chain(&self.enters).chain(&self.closing);
-        all.copied().fold(f64::INFINITY, f64::min)
+        let looks = self.scenario.events.iter().any(|event| event.condition.is_some());
+        // Conditions become true while nobody acts, too.
+        let next_look_s = if looks { (self.now / LOOKS_S).floor() * LOOKS_S + LOOKS_S } else { f64::INFINITY };
+        all.copied().fold(next_look_s, f64::min)
     }
 
     pub(super) fn push_stimulus(&mut self, agent: u32, trigger: u16, context: EventContext) {

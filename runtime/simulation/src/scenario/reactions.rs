@@ -152,7 +152,7 @@ impl AgentBrains {
         let Some(partner) = self.brains.get(other as usize) else { return Ok(false) };
         let pause = other as usize * self.scenario.num_pauses + rule.pause as usize;
         let is_paused = rule.pause_s > 0.0 && self.now - self.followed[pause] < f64::from(rule.pause_s);
-        let is_free = partner.is_there && !partner.is_busy && rule.who >> partner.group & 1 == 1;
+        let is_free = partner.is_there && !partner.is_busy;
         if !is_free || is_paused || self.brains[me as usize].is_busy {
             return Ok(false);
         }

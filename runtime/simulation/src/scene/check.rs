@@ -410,7 +410,10 @@ pub(super) fn check_corners(key: &str, from: &[f32], to: &[f32], dimensions: usi
     check_point(&format!("{key}.from"), from, dimensions)?;
     check_point(&format!("{key}.to"), to, dimensions)?;
     if from.iter().zip(to).any(|(a, b)| a >= b) {
-        return key_fault(key, format!("expected the lowest corner, then the highest, found {from:?} and {to:?}"));
+        return key_fault(
+            key,
+            format!("expected the lowest corner, then the highest, apart along every axis, found {from:?} and {to:?}"),
+        );
     }
     Ok(())
 }

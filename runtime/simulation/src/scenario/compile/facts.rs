@@ -13,6 +13,9 @@ use crate::scene::{EventConfig, ServiceConfig, SiteConfig};
 use glam::Vec3;
 use throng_base::text::did_you_mean;
 
+/// Room between who waits at the head of a line and who is served (m).
+const PASSES_M: f32 = 0.1;
+
 impl ScenarioCompiler<'_> {
     pub(super) fn compile_values(&mut self) {
         for value in self.scene.values.values() {
@@ -102,6 +105,19 @@ impl ScenarioCompiler<'_> {
             if service.apart && lines.len() != num_tills {
                 let why = format!("expected a line for each of {num_tills} tills, found {}", lines.len());
                 return compile_fault(format!("{key}.lines"), why);
+            }
+            let widest_m = 2.0 * self.scene.groups.iter().map(|g| g.radius_m[1]).fold(0.0, f32::max) + PASSES_M;
+            let slots = |place: u16| self.out.places[usize::from(place)].slots;
+            for (n, first) in lines.iter().map(|line| slots(*line)[0]).enumerate() {
+                let [head, from] = [first, slots(tills)[0]].map(|s| s as usize);
+                let away = |till: &SlotTable| till.at.distance(self.out.slots[head].at);
+                let near_m = self.out.slots[from..from + num_tills].iter().map(away).fold(f32::INFINITY, f32::min);
+                if near_m < widest_m {
+                    let why = format!(
+                        "expected a line that begins {widest_m:.1} m from the tills or more, found {near_m:.1} m: who waits would bar the till"
+                    );
+                    return compile_fault(format!("{key}.lines[{n}]"), why);
+                }
             }
             self.set_scope(trigger::STARTS);
             let priority = service.priority.as_deref();

@@ -343,3 +343,52 @@ fn who_finds_a_line_full_tries_again_and_does_not_go_on_as_if_served() {
     let all = outcome(scene, "that.passes = [\"me.served > 0.5\"]");
     assert!(all.holds && all.values == 12, "{all:?}");
 }
+
+#[test]
+fn conditions_of_time_become_true_while_nobody_stirs() {
+    let scene = "seconds = 20.0\n[[groups]]\nname = \"them\"\nmotion = \"none\"\ncount = 2\n\
+        place = { block = { from = [0.0, 0.0], to = [4.0, 4.0] } }\ngraph = \"g\"\n\
+        [[events]]\nname = \"bell\"\nwhen = \"time > 10\"\n\
+        [graphs.g]\nlevel = \"social\"\nstart = \"a\"\nedges = [{ from = \"a\", to = \"b\", on = \"bell\" }]\n\
+        [graphs.g.states]\na = { do = [{ stay = 1000.0 }] }\nb = { do = [{ stay = 1000.0 }] }\n";
+    let early = outcome(scene, "that.never = \"me.state == 'b' and time < 10\"");
+    let late = outcome(scene, "that.never = \"me.state == 'a' and time > 10.5\"");
+    assert!(early.holds && late.holds, "{early:?} {late:?}");
+}
+
+#[test]
+fn partners_of_a_rule_for_both_may_be_of_another_group() {
+    let group = |name: &str, x: f32, by: f32| {
+        format!(
+            "[[groups]]\nname = \"{name}\"\nmotion = \"none\"\ncount = 1\nplace = {{ block = {{ from = [{x:.1}, 0.0], \
+             to = [{:.1}, 0.1] }} }}\ngoal = {{ shift = {{ by = [{by:.1}, 0.0] }} }}\n",
+            x + 0.1
+        )
+    };
+    let scene = format!(
+        "seconds = 20.0\n[values.met]\n{}{}[[rules]]\nname = \"greet\"\non = \"meets\"\nwho = [\"left\"]\nboth = true\n\
+         pause_s = 100.0\ndo = [{{ stay = 1.0 }}, {{ set = \"met\", to = 1 }}]\n",
+        group("left", -6.0, 12.0),
+        group("right", 6.0, -12.0)
+    );
+    let all = outcome(&scene, "that.passes = [\"me.met > 0.5\"]");
+    assert!(all.holds && all.values == 2, "{all:?}");
+}
+
+#[test]
+fn a_line_that_begins_at_its_till_is_refused() {
+    let scene = |x: f32| {
+        format!(
+            "[[groups]]\nname = \"people\"\nmotion = \"none\"\ncount = 2\n\
+             place = {{ block = {{ from = [-8.0, -4.0], to = [0.0, 4.0] }} }}\ngraph = \"g\"\n\
+             [[places]]\nname = \"shop\"\nat = [5.0, 0.0]\nslots = [{{ at = [5.0, 0.0] }}]\n\
+             [[places]]\nname = \"line\"\nat = [{x:.1}, 0.0]\nqueue = {{ points = [[{x:.1}, 0.0], [1.0, 0.0]] }}\n\
+             [[services]]\nname = \"s\"\ntills = \"shop\"\nlines = [\"line\"]\ntime_s = {{ fixed = 3 }}\n\
+             [graphs.g]\nlevel = \"social\"\nstart = \"a\"\nedges = []\n[graphs.g.states]\na = {{ do = [{{ be_served = \"s\" }}] }}\n"
+        )
+    };
+    let open = |x| Scene::parse(&scene(x), Path::new("a.toml")).and_then(|s| s.open());
+    assert!(open(4.2).is_ok());
+    let told = open(4.7).unwrap_err().to_string();
+    assert!(told.contains("a.toml") && told.contains("bar the till"), "{told}");
+}
