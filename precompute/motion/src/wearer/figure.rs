@@ -106,13 +106,23 @@ impl FigureSkin {
     /// The matrices in the pose of the file, in a scale.
     pub fn rest_matrices(&self, scale: f32) -> Vec<Mat3x4> {
         let mut matrices = vec![Mat3x4::default(); self.frames.len()];
-        self.place_frames(scale, None, &mut matrices);
+        self.place_frames(&self.place_nodes(scale, None), &mut matrices);
         matrices
+    }
+
+    /// Frames of the nodes in a pose.
+    pub fn pose_nodes(&self, sized: &ScaledWearer<'_>, pose: &[(Vec3, Quat); NUM_JOINTS]) -> Vec<Affine3A> {
+        self.place_nodes(sized.scale as f32, Some((&sized.numbers(pose, None), sized.num_moved())))
+    }
+
+    /// Index of a node of the document among the nodes.
+    pub fn place_of(&self, node: usize) -> Option<usize> {
+        self.nodes.iter().position(|n| n.node == node)
     }
 
     /// The matrices in a pose.
     pub fn pose_matrices(&self, sized: &ScaledWearer<'_>, pose: &[(Vec3, Quat); NUM_JOINTS], out: &mut [Mat3x4]) {
-        self.place_frames(sized.scale as f32, Some((&sized.numbers(pose, None), sized.num_moved())), out);
+        self.place_frames(&self.pose_nodes(sized, pose), out);
     }
 
     /// Position of a corner, moved by the matrices of frames.
@@ -126,8 +136,10 @@ impl FigureSkin {
         (0..4).filter(|&k| c.weights[k] > 0.0).map(of).sum()
     }
 
+    /// Frames of the nodes.
+    ///
     /// - `numbers`: those by which joints move, and the number of these; the pose of the file where absent.
-    fn place_frames(&self, scale: f32, numbers: Option<(&[f32], usize)>, out: &mut [Mat3x4]) {
+    pub fn place_nodes(&self, scale: f32, numbers: Option<(&[f32], usize)>) -> Vec<Affine3A> {
         let all = Affine3A::from_scale(Vec3::splat(scale));
         let mut placed: Vec<Affine3A> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
@@ -143,6 +155,11 @@ impl FigureSkin {
             let local = Affine3A::from_scale_rotation_translation(node.scale, rotation, translation);
             placed.push(node.parent.map_or(all, |p| placed[p]) * local);
         }
+        placed
+    }
+
+    /// - `placed`: frames of the nodes.
+    pub fn place_frames(&self, placed: &[Affine3A], out: &mut [Mat3x4]) {
         for (out, (node, inverse)) in out.iter_mut().zip(&self.frames) {
             let m = placed[*node] * *inverse;
             let row = |i: usize| {

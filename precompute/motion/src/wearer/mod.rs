@@ -94,12 +94,23 @@ impl Wearer {
         let (moved, centre, skin) = (Vec::new(), 0, Err(String::new()));
         let mut wearer =
             Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved, centre, skin, height_m };
+        wearer.check_skin(path)?;
         wearer.put_on_skin();
         let back = wearer.above_centre().0.inverse();
         match back.is_finite() && back.matrix3.to_cols_array().iter().all(|v| v.abs() <= MOST_SHRUNK) {
             true => Ok(wearer),
             false => Err(fail("what is above its hips has a scale of 0, or next to it".into()).into()),
         }
+    }
+
+    /// Refuses skins that hang on other trees of nodes, too: no copy could hold them.
+    fn check_skin(&self, path: &Path) -> Result<(), ImportError> {
+        let (own, nodes) = (self.nodes(), &self.document.nodes);
+        let skins = self.document.skins.iter().filter(|s| s.joints.iter().any(|j| own.contains(j)));
+        let Some(outside) = skins.flat_map(|s| &s.joints).find(|j| !own.contains(j)) else { return Ok(()) };
+        let name = nodes.get(*outside).map_or("", |n| &n.name);
+        let what = format!("its skin hangs on `{name}`, which is outside of its skeleton");
+        Err(content_error(path, what, "Hang that node below the joint it goes with, or take it out of the skin"))
     }
 
     /// Reads the triangles, finds the joints that move, and measures the body in a T-pose: its height, and its soles.

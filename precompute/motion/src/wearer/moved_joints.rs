@@ -123,7 +123,7 @@ impl TwistShare {
 pub struct ScaledWearer<'a> {
     wearer: &'a Wearer,
     /// Skeleton of the motion.
-    own: &'a Skeleton,
+    pub own: &'a Skeleton,
     fit: BodyFit,
     /// Scale of the character relative to its file.
     pub scale: f64,

@@ -72,7 +72,7 @@ impl FigureSurface {
         }
         let reader = AccessorReader::from_buffer(document, &wearer.buffer);
         let mut out = Self { materials: materials(&wearer.json), ..Self::default() };
-        let mut starts: HashMap<usize, Option<usize>> = HashMap::new();
+        let mut starts: HashMap<usize, usize> = HashMap::new();
         let is_own = |node: usize| places.get(node).is_some_and(Option::is_some);
         let mut parts = 0;
         for (n, node) in document.nodes.iter().enumerate() {
@@ -82,18 +82,15 @@ impl FigureSurface {
                 Some(skin) => {
                     let known =
                         document.skins.get(skin).ok_or_else(|| format!("nodes[{n}]: there is no skin {skin}"))?;
-                    if known.joints.is_empty() {
-                        return Err(format!("nodes[{n}]: expected joints in skin {skin}, found none"));
+                    let missing = || format!("nodes[{n}]: expected joints in skin {skin}, found none");
+                    // Skins lie within one skeleton.
+                    if !is_own(*known.joints.first().ok_or_else(missing)?) {
+                        continue;
                     }
-                    let start = match starts.entry(skin) {
+                    match starts.entry(skin) {
                         Entry::Occupied(entry) => *entry.get(),
-                        Entry::Vacant(entry) => {
-                            let own = known.joints.iter().all(|&j| is_own(j));
-                            *entry.insert(own.then(|| out.bind(&reader, skin, wearer)).transpose()?)
-                        }
-                    };
-                    let Some(start) = start else { continue };
-                    start
+                        Entry::Vacant(entry) => *entry.insert(out.bind(&reader, skin, wearer)?),
+                    }
                 }
                 None if is_own(n) => {
                     out.frames.push((n, Mat4::IDENTITY));

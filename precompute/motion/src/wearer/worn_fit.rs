@@ -8,6 +8,7 @@ use glam::{Quat, Vec3};
 use std::collections::BTreeSet;
 use std::io;
 use throng_base::thresholds::FOOT_PLANTED_MPS;
+use throng_core::skeleton::{ARMS, LEGS};
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
 /// Most characters, and frames of each, that are measured.
@@ -28,11 +29,15 @@ const FLOATING_M: f32 = 0.06;
 const BURIED_M: f32 = 0.15;
 /// Share of the length of the legs above which soles are no soles.
 const HIGHEST_SOLE: f32 = 0.4;
+/// Reach of the skin around the end of a limb (lengths of the legs), and change of its distance from there, median, above
+/// which it is not that limb's (m).
+const END_REACH: f32 = 0.3;
+const LEFT_BEHIND_M: f32 = 0.12;
 /// Foot and toe of both sides.
 const FEET: [[Joint; 2]; 2] = [[Joint::LeftFoot, Joint::LeftToe], [Joint::RightFoot, Joint::RightToe]];
 
 /// How a character wears motion.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct WornFit {
     /// Height of the character as it is written (m).
     pub height_m: f32,
@@ -42,6 +47,10 @@ pub struct WornFit {
     pub pulled_share: f32,
     /// Names of the joints that move the ends of this edge, and the frame.
     pub stretched: ([String; 2], usize),
+    /// Largest change of the distance between the end of a limb and the skin around it, median of that skin (m).
+    pub left_behind_m: f32,
+    /// Names of the joint at that end, and of the one that moves the skin, and the frame.
+    pub left_behind: ([String; 2], usize),
     /// Height of soles over the ground where feet stand, median; below 0 they sink in (m).
     pub soles_m: f32,
     /// Largest distance of soles from the ground where feet stand, 95th percentile (m).
@@ -61,6 +70,14 @@ impl WornFit {
             return Some(format!(
                 "its skin is torn: in frame {frame} it is stretched by {stretch:.2} m between what `{a}` and `{b}` move; \
                  hang the joints that carry skin below one another, as a body does, or {profile}"
+            ));
+        }
+        if self.left_behind_m > LEFT_BEHIND_M {
+            let ([end, carrier], frame) = &self.left_behind;
+            return Some(format!(
+                "the skin around `{end}` is moved by `{carrier}` and comes off, by {:.2} m in frame {frame}; weight it to \
+                 `{end}`, or to what hangs below that, or {profile}",
+                self.left_behind_m
             ));
         }
         if self.soles_m < -SUNK_M || self.soles_m > FLOATING_M {
@@ -119,6 +136,45 @@ impl MeasuredParts {
     }
 }
 
+/// The end of a limb, and the skin around it.
+struct LimbEnd<'a> {
+    name: &'a str,
+    /// Index of its joint among the nodes.
+    node: usize,
+    /// Corners, and the distance of each from the joint at rest (m).
+    corners: Vec<(u32, f32)>,
+}
+
+/// Finds the ends of limbs, and the corners beyond each of them to which no other joint with a role is nearer.
+fn find_limb_ends<'a>(
+    wearer: &'a Wearer,
+    skin: &FigureSkin,
+    parts: &MeasuredParts,
+    sized: &ScaledWearer<'_>,
+) -> Vec<LimbEnd<'a>> {
+    let (placed, matrices) = (skin.place_nodes(sized.scale as f32, None), skin.rest_matrices(sized.scale as f32));
+    let place = |j: Joint| skin.place_of(wearer.rig.joints[wearer.roles.get(j)?]);
+    let at = |j: Joint| place(j).map(|n| Vec3::from(placed[n].translation));
+    let reach = END_REACH * sized.own.leg_length();
+    let end = |[end, before]: [Joint; 2]| {
+        let (node, from, before) = (place(end)?, at(end)?, at(before)?);
+        let others: Vec<Vec3> =
+            Joint::ALL.into_iter().filter(|&j| j != end && j.parent() != Some(end)).filter_map(at).collect();
+        let around = |&c: &u32| {
+            let (corner, length) = (skin.corner(&matrices, c), skin.corner(&matrices, c).distance(from));
+            let is_beyond = (corner - from).dot(from - before) > 0.0;
+            let is_nearest = || others.iter().all(|o| corner.distance(*o) > length);
+            (length < reach && is_beyond && is_nearest()).then_some((c, length))
+        };
+        let corners: Vec<(u32, f32)> = parts.body.iter().filter_map(around).collect();
+        let name = &wearer.rig.clip.clip.joints[wearer.roles.get(end)?].name;
+        (!corners.is_empty()).then_some(LimbEnd { name, node, corners })
+    };
+    let limbs =
+        LEGS.map(|[_, shin, foot, _]| [foot, shin]).into_iter().chain(ARMS.map(|[_, elbow, hand]| [hand, elbow]));
+    limbs.chain([[Joint::Head, Joint::Neck]]).filter_map(end).collect()
+}
+
 /// Measures a character in some frames of some characters of a take.
 ///
 /// # Errors
@@ -126,13 +182,14 @@ impl MeasuredParts {
 pub fn measure(wearer: &Wearer, skin: &FigureSkin, take: &Take) -> io::Result<WornFit> {
     let parts = MeasuredParts::new(wearer, skin);
     let (mut soles, mut depths) = (Vec::new(), Vec::new());
-    let (mut worst, mut height_m, mut pulled_share) = ((0f32, [0; 2], 0), 0f32, 0f32);
+    let mut fit = WornFit::default();
     let num_actors = take.actors().len();
     for actor in (0..num_actors).step_by(num_actors.div_ceil(MAX_ACTORS).max(1)) {
         let own = &take.actors()[actor].skeleton;
         let sized = ScaledWearer::new(wearer, own);
-        height_m = height_m.max(wearer.height_m * (sized.scale / wearer.metres_per_unit) as f32);
+        fit.height_m = fit.height_m.max(wearer.height_m * (sized.scale / wearer.metres_per_unit) as f32);
         let rest = skin.rest_matrices(sized.scale as f32);
+        let ends = find_limb_ends(wearer, skin, &parts, &sized);
         let lengths: Vec<f32> =
             parts.edges.iter().map(|e| skin.corner(&rest, e[0]).distance(skin.corner(&rest, e[1]))).collect();
         let mut matrices = rest;
@@ -143,14 +200,29 @@ pub fn measure(wearer: &Wearer, skin: &FigureSkin, take: &Take) -> io::Result<Wo
             let is_measured = frame % step == step / 2 && is_there;
             let then = before.replace(pose);
             let (true, Some(then)) = (is_measured, then) else { return Ok(()) };
-            skin.pose_matrices(&sized, &pose, &mut matrices);
+            let placed = skin.pose_nodes(&sized, &pose);
+            skin.place_frames(&placed, &mut matrices);
+            for end in &ends {
+                let joint = Vec3::from(placed[end.node].translation);
+                let grown = |&(c, length): &(u32, f32)| ((skin.corner(&matrices, c).distance(joint) - length).abs(), c);
+                let mut grown: Vec<(f32, u32)> = end.corners.iter().map(grown).collect();
+                grown.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let carrier = grown.last().map_or("", |farthest| skin.carrier_name(wearer, farthest.1));
+                if grown[grown.len() / 2].0 > fit.left_behind_m {
+                    fit.left_behind_m = grown[grown.len() / 2].0;
+                    fit.left_behind = ([end.name, carrier].map(str::to_owned), frame);
+                }
+            }
             let mut pulled = 0;
             for (edge, length) in parts.edges.iter().zip(&lengths) {
                 let grown = skin.corner(&matrices, edge[0]).distance(skin.corner(&matrices, edge[1])) - length;
-                worst = if grown > worst.0 || grown.is_nan() { (grown, *edge, frame) } else { worst };
+                if grown > fit.stretch_m || grown.is_nan() {
+                    fit.stretch_m = grown;
+                    fit.stretched = (edge.map(|c| skin.carrier_name(wearer, c).to_owned()), frame);
+                }
                 pulled += usize::from(grown > PULLED.0 && grown + length > PULLED.1 * length);
             }
-            pulled_share = pulled_share.max(pulled as f32 / parts.edges.len().max(1) as f32);
+            fit.pulled_share = fit.pulled_share.max(pulled as f32 / parts.edges.len().max(1) as f32);
             let lowest = |corners: &[u32]| corners.iter().map(|&c| skin.corner(&matrices, c).y).min_by(f32::total_cmp);
             let ground = FEET.map(|foot| ground_under(own, foot, &pose));
             for side in 0..2 {
@@ -163,10 +235,8 @@ pub fn measure(wearer: &Wearer, skin: &FigureSkin, take: &Take) -> io::Result<Wo
         })?;
     }
     let off = soles.iter().map(|s| s.abs()).collect();
-    let stretched = (worst.1.map(|c| skin.carrier_name(wearer, c).to_owned()), worst.2);
-    let (soles_m, soles_off_m) = (percentile(soles, 0.5), percentile(off, 0.95));
-    let buried_m = percentile(depths, 0.5);
-    Ok(WornFit { height_m, stretch_m: worst.0, pulled_share, stretched, soles_m, soles_off_m, buried_m })
+    (fit.soles_m, fit.soles_off_m) = (percentile(soles, 0.5), percentile(off, 0.95));
+    Ok(WornFit { buried_m: percentile(depths, 0.5), ..fit })
 }
 
 /// Height of the ground under a foot of the motion that stands there (m).

@@ -25,7 +25,11 @@ fn add_skin(glb: &mut glb::Glb, clip: &RawClip, sole_m: f32, bare: &str) {
         at[j] = joint.parent.map_or(Vec3::ZERO, |p| at[p]) + joint.offset;
     }
     let named = |j: usize, words: &[&str]| words.iter().any(|w| clip.joints[j].name.to_lowercase().contains(w));
-    let is_bare = |j: usize| clip.joints[j].name.to_lowercase() == bare;
+    // Targets of inverse kinematics carry none.
+    let is_bare = |j: usize| {
+        let name = &clip.joints[j].name;
+        name.to_lowercase() == bare || name.starts_with("ik_") || name.contains("ＩＫ")
+    };
     // Three corners for each triangle: the place of each, and the joint that moves it.
     let mut corners: Vec<(Vec3, usize)> = Vec::new();
     for (j, joint) in clip.joints.iter().enumerate().filter(|(j, _)| !is_bare(*j)) {
@@ -168,24 +172,80 @@ fn skin_that_hangs_elsewhere_is_torn_and_refused() {
     glb.add(&clip, glb::Style { skin: true, armature: Some((0.01, false)), name: "one", ..glb::Style::default() });
     add_skin(&mut glb, &clip, SOLE_M, "none");
     // The skin of the feet is moved by boots that hang on the hips.
-    let place = |name: &str| clip.joints.iter().position(|j| j.name.ends_with(name)).unwrap() as f32;
+    let named = |name: &str| clip.joints.iter().position(|j| j.name.ends_with(name)).unwrap();
+    let pairs = [("LeftFoot", "BootL"), ("RightFoot", "BootR")].map(|(foot, boot)| (named(foot), named(boot)));
+    carry_by(&mut glb, |joint| pairs.iter().find(|p| p.0 == joint).map_or(joint, |p| p.1));
+    let path = folder.path().join("boots.glb");
+    std::fs::write(&path, glb.glb()).unwrap();
+    let fit = fit(&path, &take);
+    let fault = fit.fault().unwrap_or_else(|| panic!("{fit:?}"));
+    assert!(fault.contains("its skin is torn") && fault.contains("Boot"), "{fault}");
+}
+
+/// Lets other joints carry the skin: that which `carrier` gives for each joint.
+fn carry_by(glb: &mut glb::Glb, carrier: impl Fn(usize) -> usize) {
     let joints = glb.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"].as_u64().unwrap() as usize;
     let view = glb.json["accessors"][joints]["bufferView"].as_u64().unwrap() as usize;
     let begin = glb.json["bufferViews"][view]["byteOffset"].as_u64().unwrap() as usize;
     let length = glb.json["bufferViews"][view]["byteLength"].as_u64().unwrap() as usize;
     for bytes in glb.bytes[begin..begin + length].chunks_exact_mut(16) {
         let joint = f32::from_le_bytes(std::array::from_fn(|k| bytes[k]));
-        for (foot, boot) in [("LeftFoot", "BootL"), ("RightFoot", "BootR")] {
-            if joint == place(foot) {
-                bytes[..4].copy_from_slice(&place(boot).to_le_bytes());
-            }
-        }
+        bytes[..4].copy_from_slice(&(carrier(joint as usize) as f32).to_le_bytes());
     }
-    let path = folder.path().join("boots.glb");
+}
+
+#[test]
+fn skin_that_does_not_go_with_its_limb_is_refused_with_the_joint_that_keeps_it() {
+    let (take, folder) = (take().0, tempfile::tempdir().unwrap());
+    let style = rig::Style { moves: false, scale: 1.0, ..rig::Style::default() };
+    let text = rig::bvh(&rig::parse(table("Mixamo")), &style);
+    let clip = bvh::parse(text.as_bytes(), &folder.path().join("rest.bvh")).unwrap().clip;
+    let hips = clip.joints.iter().position(|j| j.name.ends_with("Hips")).unwrap();
+    // Nodes stand as the skin was bound.
+    let clip = RawClip {
+        rotations: vec![Quat::IDENTITY; clip.rotations.len()],
+        translations: clip.joints.iter().map(|j| j.offset).collect::<Vec<_>>().repeat(clip.num_frames),
+        ..clip
+    };
+    for (limb, ends) in [("", ["Foot", "Hand"]), ("Arm", ["Hand", "Hand"]), ("UpLeg", ["Foot", "Foot"])] {
+        let mut glb = glb::Glb::new();
+        glb.add(&clip, glb::Style { skin: true, name: "one", ..glb::Style::default() });
+        add_skin(&mut glb, &clip, SOLE_M, "none");
+        // All the skin of a limb is moved by the hips: no edge is stretched.
+        let mut up = |j: usize| {
+            std::iter::successors(Some(j), |&j| clip.joints[j].parent).any(|j| {
+                let name = clip.joints[j].name.trim_start_matches("mixamorig:");
+                limb.is_empty() || name.trim_start_matches("Left").trim_start_matches("Right") == limb
+            })
+        };
+        let kept: Vec<bool> = (0..clip.joints.len()).map(&mut up).collect();
+        carry_by(&mut glb, |joint| if kept[joint] { hips } else { joint });
+        let path = folder.path().join("kept.glb");
+        std::fs::write(&path, glb.glb()).unwrap();
+        let fit = fit(&path, &take);
+        let fault = fit.fault().unwrap_or_else(|| panic!("{limb}: {fit:?}"));
+        assert!(ends.iter().any(|e| fault.contains(e)) && fault.contains("Hips`"), "{limb}: {fault}");
+    }
+}
+
+#[test]
+fn skin_over_two_roots_is_refused_by_the_joint_that_is_outside() {
+    let folder = tempfile::tempdir().unwrap();
+    let style = rig::Style { moves: false, scale: 1.0, ..rig::Style::default() };
+    let text = rig::bvh(&rig::parse(table("Mixamo")), &style);
+    let clip = bvh::parse(text.as_bytes(), &folder.path().join("rest.bvh")).unwrap().clip;
+    let mut glb = glb::Glb::new();
+    glb.add(&clip, glb::Style { skin: true, name: "one", ..glb::Style::default() });
+    add_skin(&mut glb, &clip, SOLE_M, "none");
+    let helmet = glb.push("nodes", json!({ "name": "Helmet", "translation": [0.0, 1.6, 0.0] }));
+    glb.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(helmet));
+    let skin = glb.json["skins"][0]["joints"].as_array_mut().unwrap();
+    skin.push(json!(helmet));
+    glb.json["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
+    let path = folder.path().join("helmet.glb");
     std::fs::write(&path, glb.glb()).unwrap();
-    let fit = fit(&path, &take);
-    let fault = fit.fault().unwrap_or_else(|| panic!("{fit:?}"));
-    assert!(fault.contains("its skin is torn") && fault.contains("Boot"), "{fault}");
+    let e = Wearer::open(&path, &ImportConfig::default()).err().expect("it is accepted").to_string();
+    assert!(e.contains("`Helmet`") && e.contains("below"), "{e}");
 }
 
 /// A drawn figure: a big head and body on short legs.
