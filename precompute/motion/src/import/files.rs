@@ -137,15 +137,16 @@ fn slashed(path: &Path) -> String {
     parts.collect::<Vec<_>>().join("/")
 }
 
-/// The motion files of an archive and of those in it, as if they were folders.
+/// The motion files of an archive and of those in it, as if they were folders; archives in those are listed themselves.
 fn motion_in(path: &Path) -> Result<Vec<PathBuf>, ImportError> {
     let is_seen = |member: &String| !member.split('/').any(is_hidden);
     let mut found = Vec::new();
     for member in archive::members(path)?.into_iter().filter(is_seen).map(|m| path.join(m)) {
-        if has_extension(&member, archive::EXTENSION) && path.is_file() {
-            // Reading one that is damaged reports it.
+        let is_archive = has_extension(&member, archive::EXTENSION);
+        if is_archive && path.is_file() {
+            // Reading one that is damaged, or lies too deep, reports it.
             found.extend(motion_in(&member).unwrap_or_else(|_| vec![member]));
-        } else if is_motion(&member) {
+        } else if is_archive || is_motion(&member) {
             found.push(member);
         }
     }

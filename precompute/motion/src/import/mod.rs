@@ -309,6 +309,8 @@ fn read_file(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, ImportE
         }
         "asf" => Err(content_error(path, "an ASF file is a skeleton without motion", "Name its AMC file")),
         archive::EXTENSION => {
+            let deep = || content_error(path, "it lies in an archive that lies in another one", "Unpack the outer one");
+            ensure(archive::split(path).is_none_or(|(outer, _)| outer.is_file()), deep)?;
             archive::members(path)?;
             Err(content_error(path, "it is an archive, not a clip", "Name a file in it: ARCHIVE.zip/CLIP.bvh"))
         }

@@ -194,15 +194,17 @@ fn archives_in_archives_are_searched_and_no_deeper() {
     std::fs::write(dir.path().join("all.zip"), outer).unwrap();
     assert_eq!(
         names(&dir, "all.zip"),
-        ["bad", "bomb.zip/a", "one", "set.zip/run", "set.zip/walk/slow"],
-        "the third level is passed over, what is damaged is kept to be told"
+        ["bad", "bomb.zip/a", "one", "set.zip/run", "set.zip/third", "set.zip/walk/slow"],
+        "the third level and what is damaged are kept to be told"
     );
+    let e = crate::import::read_source(&dir.path().join("all.zip/set.zip/third.zip"), None).err().unwrap().to_string();
+    assert!(e.contains("third.zip: it lies in an archive that lies in another one") && e.contains("Unpack"), "{e}");
     let at = |m: &str| dir.path().join("all.zip").join(m);
     assert_eq!(archive::read_file(&at("set.zip/walk/slow.bvh"), "motion", 100).unwrap(), b"slow");
     assert_eq!(archive::read_file(&at("one.bvh"), "motion", 100).unwrap(), b"one");
     assert!(archive::is_file(&at("set.zip/run.bvh")) && !archive::is_file(&at("set.zip/gone.bvh")));
     assert!(!archive::is_file(&at("set.zip/third.zip/deep.bvh")));
-    assert_eq!(names(&dir, "all.zip/set.zip"), ["run", "walk/slow"]);
+    assert_eq!(names(&dir, "all.zip/set.zip"), ["run", "third", "walk/slow"]);
     // An archive of zeros that are packed twice.
     let twice = zipped(&[("bomb.zip", &vec![0; 64 << 20])]);
     std::fs::write(dir.path().join("twice.zip"), twice).unwrap();
