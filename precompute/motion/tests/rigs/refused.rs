@@ -151,25 +151,10 @@ fn people_of_any_size_are_taken_with_a_warning() {
     }
 }
 
-#[test]
-fn legs_without_feet_are_said_to_be_such() {
-    let text = "
-        Root;-;0 0 0;-
-        Hips;Root;hips
-        Torso;Hips;0 0.3 0;upper_chest
-        Neck;Torso;neck
-        Head;Neck;head
-        UpperArm.{L,R};Torso;left_upper_arm
-        LowerArm.{L,R};UpperArm.{L,R};left_forearm
-        Hand.{L,R};LowerArm.{L,R};left_hand
-        UpperLeg.{L,R};Hips;left_thigh
-        LowerLeg.{L,R};UpperLeg.{L,R};left_shin
-        Foot.{L,R};Root;left_foot
-        Toe.{L,R};Foot.{L,R};left_toe";
-    let parts = parse(text);
-    let source = bvh(&parts, &Style::default());
+/// Error of a rig whose chains have no ends, as glTF has it.
+fn refusal_without_ends(text: &str) -> String {
+    let source = bvh(&parse(text), &Style::default());
     let mut source = throng_motion::import::bvh::parse(source.as_bytes(), std::path::Path::new("a.bvh")).unwrap();
-    // As glTF has it: chains have no ends.
     let gone: Vec<usize> = (0..source.clip.joints.len()).filter(|&j| source.clip.joints[j].is_end).collect();
     let (n, all) = (source.clip.joints.len(), source.clip.num_frames);
     let new = |j: usize| j - gone.iter().filter(|&&g| g < j).count();
@@ -178,8 +163,43 @@ fn legs_without_feet_are_said_to_be_such() {
     source.clip.rotations = (0..n * all).filter(|&k| keep(k)).map(|k| source.clip.rotations[k]).collect();
     source.clip.joints.iter_mut().for_each(|j| j.parent = j.parent.map(new));
     source.clip.joints.retain(|j| !j.is_end);
-    let e = throng_motion::import::interpret(source, &ImportConfig::default(), &[]).unwrap_err().to_string();
-    assert!(e.contains("its legs have no feet: nothing hangs on `LowerLeg.L`; `Foot.L` hangs on `Root`"), "{e}");
+    throng_motion::import::interpret(source, &ImportConfig::default(), &[]).unwrap_err().to_string()
+}
+
+#[test]
+fn limbs_that_end_too_early_are_said_to_do_so() {
+    let body = "
+        Root;-;0 0 0;-
+        Hips;Root;hips
+        Torso;Hips;0 0.3 0;upper_chest
+        Neck;Torso;neck
+        Head;Neck;head
+        UpperArm.{L,R};Torso;left_upper_arm
+        LowerArm.{L,R};UpperArm.{L,R};left_forearm";
+    let hands = "\nHand.{L,R};LowerArm.{L,R};left_hand";
+    let legs = "\nUpperLeg.{L,R};Hips;left_thigh\nLowerLeg.{L,R};UpperLeg.{L,R};left_shin";
+    let feet = "\nFoot.{L,R};LowerLeg.{L,R};left_foot\nToe.{L,R};Foot.{L,R};left_toe";
+    let names = |text: String| {
+        let names = [("LowerLeg.{L,R}", "{Left,Right}Leg"), ("UpperLeg.{L,R}", "{Left,Right}UpLeg")];
+        names.iter().fold(text, |text, (from, to)| text.replace(from, to))
+    };
+    let mixamo_legs = names(legs.to_owned());
+    for (parts, expected) in [
+        (
+            [hands, legs, "\nFoot.{L,R};Root;left_foot\nToe.{L,R};Foot.{L,R};left_toe"],
+            "its legs have no feet: nothing hangs on `LowerLeg.L`; `Foot.L` hangs on `Root`",
+        ),
+        ([hands, &mixamo_legs, ""], "its legs have no feet: nothing hangs on `LeftLeg`"),
+        ([hands, "\nUpperLeg.{L,R};Hips;left_thigh", ""], "its legs have no feet: nothing hangs on `UpperLeg.L`"),
+        // The hands hang on twist joints that lie beside the forearms.
+        (
+            ["\nForeTwist.{L,R};UpperArm.{L,R};left_forearm\nHand.{L,R};ForeTwist.{L,R};left_hand", legs, feet],
+            "its arms have no hands: nothing hangs on `LowerArm.L`; `Hand.L` hangs on `ForeTwist.L`",
+        ),
+    ] {
+        let e = refusal_without_ends(&(body.to_owned() + &parts.concat()));
+        assert!(e.contains(expected), "{e}");
+    }
 }
 
 #[test]

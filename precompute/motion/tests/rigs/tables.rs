@@ -439,13 +439,14 @@ Head;Neck3;head
 {L,R}Arm3;{L,R}Arm2;left_hand";
 
 /// Figures of games and drawn figures, whose limbs have any proportions and whose joints are named as their parts. (name, joints)
-pub const DRAWN: [(&str, &str); 6] = [
+pub const DRAWN: [(&str, &str); 7] = [
     ("game figure", GAME),
     ("short upper arms", SHORT_UPPER_ARMS),
     ("stub forearms", STUB_FOREARMS),
     ("long shins", LONG_SHINS),
     ("shoulders wide", WIDE_SHOULDERS),
     ("palms", PALMS),
+    ("arms above shoulders", ARMS_ABOVE_SHOULDERS),
 ];
 
 const GAME: &str = "
@@ -540,3 +541,18 @@ Middle2{L,R};Middle1{L,R};0.1 0 0;-
 UpperLeg{L,R};Hips;left_thigh
 LowerLeg{L,R};UpperLeg{L,R};left_shin
 Foot{L,R};LowerLeg{L,R};left_foot";
+
+const ARMS_ABOVE_SHOULDERS: &str = "
+Hips;-;hips
+Spine;Hips;spine
+Chest;Spine;0 0.2 0;upper_chest
+Neck;Chest;neck
+Head;Neck;head
+Arm.{L,R};Chest;0.02 0.13 0;left_clavicle
+Shoulder.{L,R};Arm.{L,R};0.16 0 0;left_upper_arm
+Elbow.{L,R};Shoulder.{L,R};0.28 0 0;left_forearm
+Wrist.{L,R};Elbow.{L,R};0.25 0 0;left_hand
+Leg.{L,R};Hips;left_thigh
+Knee.{L,R};Leg.{L,R};left_shin
+Ankle.{L,R};Knee.{L,R};left_foot
+Toe.{L,R};Ankle.{L,R};left_toe";

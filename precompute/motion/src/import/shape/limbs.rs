@@ -146,11 +146,14 @@ fn match_children(tree: &SkeletonTree, a: usize, b: usize) -> Vec<[usize; 2]> {
     all.into_iter().map(|(_, both)| both).collect()
 }
 
-/// True where both joints of each part are named as it; the first two, with words that mean nothing else.
+/// True where both joints of each part are named as it; the first two, with words that mean nothing else. Another joint that may
+/// start the limb by its name does not hang on the first one: `Arm` above `Shoulder` is a collarbone.
 fn is_named(tree: &SkeletonTree, path: &[[usize; 2]], at: [usize; 3], [upper, middle, end]: [NamedPart; 3]) -> bool {
     let all = |k: usize, is: &dyn Fn(Label) -> bool| path[k].iter().all(|&j| is(tree.labels[j]));
     let turns = path[at[2]].iter().all(|&j| tree.turns(j));
+    let may_start = |l: Label| l.may_be(upper) && !l.is_exactly(upper) && !l.left_out;
     turns
+        && !(at[0] + 1..at[1]).any(|k| all(k, &may_start))
         && all(at[0], &|l| l.is_exactly(upper))
         && all(at[1], &|l| l.is_exactly(middle))
         && all(at[2], &|l| l.may_be(end))

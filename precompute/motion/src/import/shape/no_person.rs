@@ -70,24 +70,34 @@ pub fn check_stance(tree: &SkeletonTree, map: &RoleMap) -> Result<(), NoPerson> 
     Ok(())
 }
 
-/// Legs whose feet hang elsewhere, or are not there: the last joint of the left one, and the foot.
-fn find_footless_leg(tree: &SkeletonTree) -> Option<(usize, Option<usize>)> {
-    let named = |part: NamedPart| (0..tree.labels.len()).filter(move |&j| tree.labels[j].is_exactly(part));
-    let ends = |shin: usize| tree.role_children(shin).next().is_none();
-    let hangs_on_thigh = |shin: usize| tree.path_up(shin).skip(1).any(|j| tree.labels[j].is_exactly(NamedPart::Thigh));
-    let shin = named(NamedPart::Shin).find(|&j| ends(j) && hangs_on_thigh(j))?;
-    let is_foot = |j: &usize| tree.labels[*j].may_be(NamedPart::Foot) && tree.labels[*j].side == tree.labels[shin].side;
-    Some((shin, (0..tree.labels.len()).find(is_foot)))
+/// Limbs that end too early: the parts of one, the part that is not below it, and both in words.
+const SHORT_LIMBS: [([NamedPart; 3], &str, &str); 2] = [
+    ([NamedPart::Thigh, NamedPart::Shin, NamedPart::Foot], "legs", "feet"),
+    ([NamedPart::UpperArm, NamedPart::Forearm, NamedPart::Hand], "arms", "hands"),
+];
+
+/// Explains limbs whose feet or hands hang elsewhere, or are not there.
+fn explain_short_limb(tree: &SkeletonTree) -> Option<NoPerson> {
+    SHORT_LIMBS.iter().find_map(|&([upper, middle, end], limbs, ends)| {
+        let is_upper = |j: usize| tree.labels[j].is_exactly(upper);
+        let hangs = |j: usize| tree.labels[j].may_be(middle) && tree.path_up(j).skip(1).any(is_upper);
+        let all = || 0..tree.labels.len();
+        let is_last = |&j: &usize| tree.is_candidate(j) && tree.heights[j] <= f32::EPSILON && (hangs(j) || is_upper(j));
+        let last = all().find(is_last)?;
+        let is_end = |j: &usize| tree.labels[*j].may_be(end) && tree.labels[*j].side == tree.labels[last].side;
+        let parent = |j: usize| tree.clip.joints[j].parent.map_or("nothing", |p| tree.name(p));
+        let other = |j: usize| format!("; `{}` hangs on `{}`", tree.name(j), parent(j));
+        let other = all().find(is_end).map_or_else(String::new, other);
+        let message = format!("its {limbs} have no {ends}: nothing hangs on `{}`{other}", tree.name(last));
+        let help = "Hang each one there in the program that made the rig, bake the motion, and export it again";
+        Some(NoPerson { message, help: help.into() })
+    })
 }
 
 /// Explains why two arms, two legs and the parts that join them were not found.
 pub(super) fn explain(tree: &SkeletonTree, pairs: &[MirroredChains]) -> NoPerson {
-    if let Some((shin, foot)) = find_footless_leg(tree) {
-        let parent = |foot: usize| tree.clip.joints[foot].parent.map_or("nothing", |p| tree.name(p));
-        let foot = foot.map_or(String::new(), |f| format!("; `{}` hangs on `{}`", tree.name(f), parent(f)));
-        let message = format!("its legs have no feet: nothing hangs on `{}`{foot}", tree.name(shin));
-        let help = "Hang each foot on its shin in the program that made the rig, bake the motion, and export it again";
-        return NoPerson { message, help: help.into() };
+    if let Some(reason) = explain_short_limb(tree) {
+        return reason;
     }
     let longest = pairs.iter().max_by(|a, b| a.leg.length.total_cmp(&b.leg.length));
     let Some(pair) = longest else {
