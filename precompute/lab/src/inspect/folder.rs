@@ -20,6 +20,8 @@ use throng_motion::retarget;
 /// Share of the time on the ground below which a foot makes its clip odd.
 const LITTLE_CONTACT: f32 = 0.05;
 
+/// Speeds of planted feet above which they skate: mean, and 95th percentile (mm/s).
+const SKATES_MM_PER_S: [f32; 2] = [100.0, 200.0];
 /// Verdict on a file that is left out by its name.
 const LEFT_OUT: &str = "left out";
 
@@ -141,9 +143,24 @@ fn oddity(imported: &ImportedClip, usable_s: f64, report: &ClipReport) -> Option
     let within = |w: &str| w.strip_prefix(&format!("{}: ", report.file)).unwrap_or(w).to_owned();
     let of_skeleton = |w: &&String| imported.roles.warnings.contains(&within(w));
     let all: Vec<String> = report.warnings.iter().filter(|w| !of_skeleton(w)).map(|w| within(w)).collect();
-    // Noise and the like explain why feet hardly stand.
-    let floats = contact.left_share < LITTLE_CONTACT || contact.right_share < LITTLE_CONTACT;
-    if all.is_empty() { floats.then(|| "feet hardly touch the ground".into()) } else { Some(all.join(" ")) }
+    // Noise and the like explain why feet hardly stand, or slide.
+    if !all.is_empty() {
+        return Some(all.join(" "));
+    }
+    let stands = contact.left_share.min(contact.right_share) >= LITTLE_CONTACT;
+    let has = |gaits: &[&str]| report.classes.iter().any(|c| gaits.contains(&c.gait));
+    let walks = has(&["walk", "strafe", "sneak", "backwards"]);
+    let [mean, p95] = [contact.mean_speed_mps, contact.p95_speed_mps].map(|mps| 1e3 * mps);
+    let slides = match stands {
+        true if p95 > SKATES_MM_PER_S[1] && (walks || has(&["run", "jog"])) => {
+            format!("one planted foot in twenty slides at {p95:.0} mm/s or more")
+        }
+        true => return None,
+        false if walks => "hardly a foot stays where it is put down".to_owned(),
+        false => return Some("feet hardly touch the ground".to_owned()),
+    };
+    let why = "; the root does not go as the feet step: export it with its own root motion";
+    Some(format!("skates: {slides}{}", if stands && mean < SKATES_MM_PER_S[0] { "" } else { why }))
 }
 
 /// Splits an error's message into the file and the rest.
@@ -231,6 +248,17 @@ mod tests {
             assert_eq!(oddity(clip, 2.0, &report).unwrap(), "it shakes. walks on the spot.", "which is why");
             report.warnings.clear();
             assert_eq!(oddity(clip, 2.0, &report).unwrap(), "feet hardly touch the ground");
+            report.classes = vec![ClassTime { gait: "walk", ..ClassTime::default() }];
+            assert!(oddity(clip, 2.0, &report).unwrap().contains("hardly a foot stays where it is put down"));
+            (report.contact.left_share, report.contact.right_share) = (0.5, 0.5);
+            assert_eq!(oddity(clip, 2.0, &report), None);
+            report.contact.p95_speed_mps = 0.236;
+            let told = oddity(clip, 2.0, &report).unwrap();
+            assert!(told.ends_with("one planted foot in twenty slides at 236 mm/s or more"), "{told}");
+            report.contact.mean_speed_mps = 0.15;
+            assert!(oddity(clip, 2.0, &report).unwrap().contains("the root does not go as the feet step"));
+            report.classes[0].gait = "stand";
+            assert_eq!(oddity(clip, 2.0, &report), None, "who bows may shuffle");
         }
         let warnings = import::skeleton_warnings(&set.clips);
         assert!(warnings.len() == 1 && warnings[0].ends_with("a.bvh and 1 more: its neck is odd."), "{warnings:?}");
