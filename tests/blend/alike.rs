@@ -161,6 +161,21 @@ fn extrapolation_that_doubles_ranges_is_poor_and_says_why() {
 }
 
 #[test]
+fn walks_of_one_speed_are_not_good_and_say_what_is_missing() {
+    let quality = |speeds: [f32; 2]| {
+        let clips = [("slow", 0.0), ("fast", 0.02)].into_iter().zip(speeds);
+        let clips = clips.map(|((name, phase), speed)| Puppet::new(name, speed, phase).clip()).collect();
+        alike(clips).report[0].quality.clone()
+    };
+    let one = quality([1.2, 1.25]);
+    assert!(
+        one.word == "usable" && one.reason.contains("its speeds are 1.2") && one.reason.contains("0.15 m/s slower"),
+        "{one:?}"
+    );
+    assert!(!quality([1.2, 1.5]).reason.contains("its speeds"));
+}
+
+#[test]
 fn straight_walks_alone_have_no_axis_of_turns() {
     let clips = vec![Puppet::new("slow", 0.8, 0.0).clip(), Puppet::new("fast", 1.6, 0.02).clip(), idle()];
     let spaces = alike(clips);

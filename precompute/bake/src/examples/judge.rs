@@ -18,6 +18,10 @@ const PLANTED: f32 = 0.9;
 /// Part of an axis by which weights may miss a place that still counts as reached, and lowest weight that no extrapolation has.
 const REACHED: f32 = 0.05;
 const EXTRAPOLATED: f32 = -0.2;
+/// Begin of the reason of spaces that lack other speeds, which are good otherwise.
+pub const ONE_SPEED: &str = "its speeds are";
+/// Least range of speeds in which people go slower and faster (m/s).
+const LEAST_SPEEDS_MPS: f64 = 0.15;
 /// Turns below which a joint's range says nothing (rad).
 const LEAST_RANGE: f32 = 0.35;
 
@@ -78,6 +82,8 @@ pub fn judge(space: &BlendSpace) -> BlendQuality {
         ..BlendQuality::default()
     };
     let (slip, own) = (quality.slip_p95_mps, quality.example_slip_p95_mps);
+    let speeds = space.axis_of(axis::SPEED).map(|k| space.axes()[k]).map_or([0.0, f32::INFINITY], |a| [a.low, a.high]);
+    let [slow, fast] = speeds.map(f64::from);
     let measures = [
         (
             quality.beyond_limits_deg,
@@ -100,6 +106,14 @@ pub fn judge(space: &BlendSpace) -> BlendQuality {
             [4.0, 8.0],
             format!("poses jump {:.0} deg a joint where the cycle begins again", quality.seam_deg),
         ),
+        (
+            LEAST_SPEEDS_MPS - (fast - slow),
+            [0.0, LEAST_SPEEDS_MPS],
+            format!(
+                "{ONE_SPEED} {slow:.2} to {fast:.2} m/s: add such a gait that is {LEAST_SPEEDS_MPS} m/s slower or faster"
+            ),
+        ),
+        (slip, [0.3, f64::INFINITY], format!("planted soles slip {:.0} mm/s", 1e3 * slip)),
     ];
     let rank = |(value, limits, _): &(f64, [f64; 2], String)| limits.iter().filter(|l| value > *l).count();
     let worst = measures.iter().rev().max_by_key(|m| rank(m)).map_or((0, ""), |m| (rank(m), m.2.as_str()));

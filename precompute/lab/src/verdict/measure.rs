@@ -3,7 +3,7 @@
 use crate::abilities::{Abilities, MOSTLY_BACKWARDS};
 use crate::trial::{ReachShare, TrialReport};
 use serde::Serialize;
-use throng_bake::examples::judge::{BLEND_WORDS, BlendQuality};
+use throng_bake::examples::judge::{BLEND_WORDS, BlendQuality, ONE_SPEED};
 use throng_bake::examples::{BlendReport, ExampleReport, WIDEST_SEAM};
 use throng_bake::policy::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart};
 use throng_base::thresholds::{SLIP_UNSEEN_MPS_F64, TOES_SLOW_MPS_F64};
@@ -396,8 +396,10 @@ fn promises_kept(facts: &VerdictInputs<'_>) -> Vec<Measure> {
 
 /// The blend space of the worst quality.
 fn worst_blend(blends: &[BlendReport]) -> Option<Measure> {
+    // Crowds that play a policy do not miss the speeds that a space lacks.
+    let is_judged = |b: &&BlendReport| !b.quality.reason.starts_with(ONE_SPEED);
     let rank = |b: &BlendReport| BLEND_WORDS.iter().position(|w| *w == b.quality.word).unwrap_or(0);
-    let worst = blends.iter().rev().max_by_key(|b| rank(b))?;
+    let worst = blends.iter().rev().filter(is_judged).max_by_key(|b| rank(b))?;
     let (name, BlendQuality { word, reason, .. }) = (&worst.name, &worst.quality);
     let sentence = format!("blend space `{name}` is {word}: {reason}");
     let m = measure("worst blend space", rank(worst) as f64, [0.0, 1.0], sentence);
