@@ -14,7 +14,7 @@ use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::share_along;
 
 /// Height of a character over that of the body whose motion it wears, at most: one with shorter legs keeps its hips lower.
-const MOST_TALLER: f32 = 1.2;
+const MOST_TALLER: f32 = 1.05;
 /// Parts of the names of joints that take a share of a twist.
 const TWIST_NAMES: [&str; 2] = ["twist", "roll"];
 
