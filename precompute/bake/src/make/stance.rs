@@ -138,7 +138,7 @@ impl RestStance {
             }
         }
         if !gait.class.carrying {
-            hang_arms(&mut rotations, skeleton);
+            hang_arms(&mut rotations, skeleton, gait.class.gait == Gait::Run);
         }
         let flat: [MadeFoot; 2] = {
             let of = |foot: usize| {
@@ -193,8 +193,8 @@ impl RestStance {
 }
 
 /// Straightens elbows whose hands are held before the body, and turns arms that are held out at their shoulders, so that they hang.
-/// Hands on hips and folded ones stay.
-fn hang_arms(rotations: &mut [Quat; NUM_JOINTS], skeleton: &Skeleton) {
+/// Hands on hips and folded ones stay, except for those of runners.
+fn hang_arms(rotations: &mut [Quat; NUM_JOINTS], skeleton: &Skeleton, runs: bool) {
     let joints_of = |rotations: &[Quat; NUM_JOINTS]| {
         Clip::new("stand", 1.0, vec![Vec3::Y], rotations.to_vec()).joint_transforms(skeleton, 0)
     };
@@ -209,9 +209,12 @@ fn hang_arms(rotations: &mut [Quat; NUM_JOINTS], skeleton: &Skeleton) {
     }
     let joints = joints_of(rotations);
     let at = joints.map(|(at, _)| at);
-    for arm in ARMS.into_iter().filter(|arm| is_held_out(&at, *arm)) {
+    for arm in ARMS {
         let [shoulder, _, wrist] = arm.map(Joint::index);
         let reach = (at[wrist] - at[shoulder]).normalize_or(Vec3::NEG_Y);
+        if !is_held_out(&at, arm) && (!runs || -reach.y > HANGS[1]) {
+            continue;
+        }
         let hangs = reach.with_y(0.0).normalize_or_zero() * HANGS[0] - Vec3::Y * HANGS[1];
         let above = arm[0].parent().map_or(Quat::IDENTITY, |j| joints[j.index()].1);
         let turned = maths::compose(Quat::from_rotation_arc(reach, hangs), joints[shoulder].1);

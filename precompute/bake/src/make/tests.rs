@@ -183,7 +183,7 @@ fn stands_over_feet_that_glide_are_held_over_feet_that_stay() {
 #[test]
 fn arms_that_a_gait_holds_out_hang_where_it_stands_unless_they_carry_or_lie_on_the_body() {
     let set = library(&["walk_neutral_v110_g00"]);
-    let raised_about = |axis: Vec3, degrees: f32, bent: f32, carrying: bool| {
+    let raised_in = |of: Gait, axis: Vec3, degrees: f32, bent: f32, carrying: bool| {
         let mut clip = set.clips[0].clone();
         for f in 0..clip.num_frames() {
             for ([arm, elbow, _], side) in ARMS.map(|arm| arm.map(Joint::index)).into_iter().zip([1.0, -1.0]) {
@@ -193,13 +193,14 @@ fn arms_that_a_gait_holds_out_hang_where_it_stands_unless_they_carry_or_lie_on_t
             }
         }
         let mut gait = GaitCycle::find(&clip, &set.skeleton).remove(0);
-        gait.class.carrying = carrying;
+        (gait.class.carrying, gait.class.gait) = (carrying, of);
         let stance = RestStance::of_gait(&gait, &set.skeleton).unwrap().clip;
         let at = stance.joint_positions(&set.skeleton, 0);
         let down = |[from, to]: [Joint; 2]| (at[to.index()] - at[from.index()]).angle_between(Vec3::NEG_Y).to_degrees();
         let degrees = ARMS.map(|[shoulder, elbow, wrist]| down([shoulder, wrist]).max(down([elbow, wrist])));
         (degrees[0].max(degrees[1]), classify(&stance, &set.skeleton, &NameHints::default())[0].class.neutral)
     };
+    let raised_about = |axis, degrees, bent, carrying| raised_in(Gait::Walk, axis, degrees, bent, carrying);
     let raised = |degrees, bent, carrying| raised_about(Vec3::Y, degrees, bent, carrying);
     let (hangs, is_neutral) = raised(85.0, 10.0, false);
     assert!(hangs < 25.0 && is_neutral, "arms hang at {hangs} degrees");
@@ -209,6 +210,9 @@ fn arms_that_a_gait_holds_out_hang_where_it_stands_unless_they_carry_or_lie_on_t
     assert!(jogs < 45.0 && is_neutral, "forearms hang at {jogs} degrees");
     let on_hips = raised_about(Vec3::Z, 45.0, 100.0, false).0;
     assert!(on_hips > 50.0, "hands on hips are as they were: {on_hips}");
+    // Arms of a run are away from the body, which those of who stands are not.
+    let runs = raised_in(Gait::Run, Vec3::Y, 34.0, 10.0, false).0;
+    assert!(runs < 20.0 && raised(34.0, 10.0, false).0 > 28.0, "a runner's arms hang at {runs} degrees");
     assert!(raised(60.0, 10.0, true).0 > 50.0 && raised(15.0, 90.0, true).0 > 80.0, "arms that carry are as they were");
 }
 
