@@ -85,6 +85,17 @@ fn parse_up(text: &str) -> std::result::Result<UpAxis, String> {
     }
 }
 
+/// Options that say how motion is read, and which clips are used.
+pub const MOTION_FLAGS: [&str; 5] = ["--metres-per-unit", "--rate-hz", "--up", "--use", "--leave"];
+
+/// Those of some options that this call has, as they were given, each before its value.
+pub fn given_flags(flags: &[&str]) -> Vec<String> {
+    let args: Vec<String> = std::env::args().collect();
+    let is_flag = |arg: &str| flags.contains(&arg.split('=').next().unwrap_or_default());
+    let is_given = |i: usize| is_flag(&args[i]) || i > 0 && flags.contains(&args[i - 1].as_str());
+    (0..args.len()).filter(|&i| is_given(i)).map(|i| args[i].clone()).collect()
+}
+
 /// Options that say what motion files leave open.
 #[derive(Default, clap::Args)]
 pub struct UnitArgs {
@@ -112,16 +123,6 @@ impl UnitArgs {
         let mut config = BuildConfig::of_motion(motion_name(motion), motion.to_vec())?;
         self.apply(&mut config.import);
         Ok(config)
-    }
-
-    /// The first of the options that is given.
-    pub fn first_given_flag(&self) -> Option<&'static str> {
-        let flags = [
-            ("--metres-per-unit", self.metres_per_unit.is_some()),
-            ("--rate-hz", self.rate_hz.is_some()),
-            ("--up", self.up.is_some()),
-        ];
-        flags.into_iter().find(|f| f.1).map(|f| f.0)
     }
 }
 
@@ -160,10 +161,10 @@ impl ReadArgs {
 /// Choice of clips by their names.
 #[derive(clap::Args)]
 pub struct SelectArgs {
-    /// Use only clips of such a name (`walk*`), and all their motion.
+    /// Use only clips of such a name (`*walk*`), and all their motion.
     #[arg(long = "use", help_heading = "Reading motion", value_name = "NAME")]
     wanted: Vec<String>,
-    /// Leave out clips of such a name (`carry*`).
+    /// Leave out clips of such a name (`*carry*`).
     #[arg(long, help_heading = "Reading motion", value_name = "NAME")]
     leave: Vec<String>,
 }

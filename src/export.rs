@@ -2,7 +2,7 @@
 
 mod take;
 
-use crate::args::{CommandResult, ReadArgs, fail, is_bundle, open_bundle};
+use crate::args::{CommandResult, ReadArgs, fail, given_flags, is_bundle, open_bundle};
 use crate::help;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -86,7 +86,7 @@ fn export_file(args: &Args) -> CommandResult {
         _ => true,
     };
     if !is_take {
-        if let Some(given) = args.take.first_given_flag() {
+        if let Some(given) = given_flags(&take::FLAGS).first() {
             return fail(format!("{given} is for glb, usda, bvh, npz, amass and csv"));
         }
         files::check_targets(&args.out, [&args.file])?;

@@ -3,7 +3,7 @@
 mod environment;
 mod scene;
 
-use crate::args::{CommandResult, ReadArgs, SelectArgs, fail, is_bundle};
+use crate::args::{CommandResult, MOTION_FLAGS, ReadArgs, SelectArgs, fail, given_flags, is_bundle};
 use crate::{help, keys, output, progress};
 use std::path::PathBuf;
 use throng_core::base::error::ensure;
@@ -128,6 +128,7 @@ fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display), next
         return output::json(report);
     }
     output::text(report)?;
-    let files: Vec<_> = args.files.iter().map(|f| f.to_string_lossy()).collect();
-    help::next_step(&std::iter::once(next).chain(files.iter().map(|f| &**f)).collect::<Vec<_>>())
+    let files = args.files.iter().map(|f| f.to_string_lossy().into_owned());
+    let words: Vec<String> = std::iter::once(next.to_owned()).chain(files).chain(given_flags(&MOTION_FLAGS)).collect();
+    help::next_step(&words.iter().map(String::as_str).collect::<Vec<_>>())
 }

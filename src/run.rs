@@ -1,7 +1,8 @@
 //! `throng run`: a scene, or characters on a bundle.
 
 use crate::args::{
-    CacheArgs, CommandResult, CrowdArgs, SelectArgs, UnitArgs, fail, is_bundle, is_toml, load_scene, named_engine,
+    CacheArgs, CommandResult, CrowdArgs, MOTION_FLAGS, SelectArgs, UnitArgs, fail, given_flags, is_bundle, is_toml,
+    load_scene, named_engine,
 };
 use crate::figures::print_figures;
 use crate::{build, help, keys, output, progress};
@@ -119,7 +120,7 @@ pub fn run(args: &Args) -> CommandResult {
         is_for_motion,
         || "--use and --leave are for motion, which is built; name it in place of its bundle or scene",
     )?;
-    if let (Some(flag), Some(single)) = (args.units.first_given_flag(), args.what.iter().find(|p| is_single(p))) {
+    if let (Some(flag), Some(single)) = (given_flags(&MOTION_FLAGS).first(), args.what.iter().find(|p| is_single(p))) {
         return fail(format!("{}: {flag} is for motion: it is read already", single.display()));
     }
     match args.what.as_slice() {

@@ -1,7 +1,7 @@
 //! Takes of scenes, recordings, bundles and clips, written in the formats of other programs.
 
 use super::{Args, Format, holds_motion, retargeted_clip, write};
-use crate::args::{CacheArgs, CommandResult, fail, is_bundle, is_toml, load_scene, open_bundle};
+use crate::args::{CacheArgs, CommandResult, fail, given_flags, is_bundle, is_toml, load_scene, open_bundle};
 use crate::{output, progress};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -58,21 +58,10 @@ fn parse_range(text: &str) -> Result<RangeInclusive<usize>, String> {
     range.filter(|r| !r.is_empty()).ok_or_else(|| fault.into())
 }
 
-impl TakeArgs {
-    /// The first given flag that only applies to takes.
-    pub fn first_given_flag(&self) -> Option<&'static str> {
-        let flags = [
-            ("--characters", !self.characters.is_empty()),
-            ("--from", self.from.is_some()),
-            ("--to", self.to.is_some()),
-            ("--fps", self.fps.is_some()),
-            ("--clips", self.clips),
-            ("--usd-instances", self.usd_instances),
-            ("--onto", self.onto.is_some()),
-        ];
-        flags.into_iter().find(|f| f.1).map(|f| f.0)
-    }
+/// Flags that only apply to takes; the last one, to those of clips as well.
+pub const FLAGS: [&str; 7] = ["--characters", "--from", "--to", "--fps", "--clips", "--usd-instances", "--onto"];
 
+impl TakeArgs {
     fn config(&self) -> PerformConfig {
         let characters = self.characters.clone();
         PerformConfig { characters, from_s: self.from, to_s: self.to, rate_hz: self.fps }
@@ -146,7 +135,7 @@ fn instances(args: &Args, folder: &Path, out: &Path) -> CommandResult {
 
 /// The clip of a motion file on the database skeleton, as a build would use it.
 fn clip(args: &Args, folder: &Path) -> CommandResult<Take> {
-    if let Some(flag) = args.take.first_given_flag().filter(|flag| *flag != "--onto") {
+    if let Some(flag) = given_flags(&FLAGS[..FLAGS.len() - 1]).first() {
         return fail(format!("{}: {flag} is for scenes, recordings and bundles", args.file.display()));
     }
     let set = retargeted_clip(args)?;

@@ -37,7 +37,11 @@ impl ClipSelection {
         };
         for (key, patterns) in [("select.use", &self.wanted), ("select.leave", &self.leave)] {
             if let Some(pattern) = patterns.iter().find(|p| !names.iter().any(|n| is_named(p, n))) {
-                return Err(BuildError::key(key, format!("no clip is named `{pattern}`; there are {}", there_are())));
+                let within = format!("*{}", pattern.trim_start_matches('*'));
+                let or = names.iter().any(|n| is_named(&within, n)).then(|| format!(", but `{within}` names some"));
+                let message =
+                    format!("no clip is named `{pattern}`{}; there are {}", or.unwrap_or_default(), there_are());
+                return Err(BuildError::key(key, message));
             }
         }
         match names.is_empty() || names.iter().any(|n| self.takes(n)) {
@@ -68,6 +72,8 @@ mod tests {
         assert_eq!(taken(&of(&["walks/*"], &[])), [true, true, false]);
         let e = of(&["jog*"], &[]).check(&names).unwrap_err().to_string();
         assert!(e.contains("select.use: no clip is named `jog*`; there are `walks/walk_1`"), "{e}");
+        let e = of(&["alk*"], &[]).check(&names).unwrap_err().to_string();
+        assert!(e.contains("no clip is named `alk*`, but `*alk*` names some; there are"), "{e}");
         assert!(of(&[], &["*"]).check(&names).unwrap_err().to_string().contains("every clip is left out"));
     }
 }

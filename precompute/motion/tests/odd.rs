@@ -337,7 +337,7 @@ fn bodies_of_no_usual_unit_are_taken_as_adults_and_the_unit_is_told() {
     let meant = ImportConfig { metres_per_unit: Some(0.001), ..plain };
     assert!((of_height(660.0, None, &meant).unwrap().height - 0.66).abs() < 0.01);
     let refused = of_height(300.0, None, &meant).unwrap_err().to_string();
-    for part in ["the body is 0.30 m tall, which no person is", "`metres_per_unit = 0.00583`", "it is 1.75 m tall"] {
+    for part in ["the body is 0.30 m tall, which no person is", "`--metres-per-unit 0.00583`", "makes it 1.75 m tall"] {
         assert!(refused.contains(part), "{refused}");
     }
 }

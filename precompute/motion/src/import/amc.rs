@@ -36,7 +36,7 @@ pub fn parse(bytes: &[u8], path: &Path, asf: &Asf) -> Result<SourceClip, ImportE
         Some(rate) => format!("{rate} frames a second: the file says so (`:SAMPLES-PER-SECOND`)."),
         None => format!(
             "{DEFAULT_RATE_HZ} frames a second: the file names no rate, and files that name none come from the CMU \
-             database, captured at that rate (`rate_hz` in the config overrides it)."
+             database, captured at that rate (`--rate-hz`, or `import.rate_hz`, overrides it)."
         ),
     };
     let rate_hz = named_rate.unwrap_or(DEFAULT_RATE_HZ);

@@ -341,10 +341,10 @@ pub fn interpret(
     let up = units::find_up(&mut source, &roles, config);
     if let Some(rate_hz) = config.rate_hz {
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
-            return Err(content_error(&source.clip.path, "`rate_hz` must be above 0", "Correct it in the config"));
+            return Err(content_error(&source.clip.path, "`rate_hz` must be above 0", "Correct it"));
         }
         source.clip.rate_hz = rate_hz;
-        source.findings.push(format!("{rate_hz} frames a second: given in the config."));
+        source.findings.push(format!("{rate_hz} frames a second: as given."));
     }
     let SourceClip { mut clip, mut findings, mut warnings, .. } = source;
     units::normalise(&mut clip, metres_per_unit, up);

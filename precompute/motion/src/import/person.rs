@@ -39,18 +39,11 @@ pub fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64, is_mean
     if HEIGHTS.contains(&height) || (is_meant && HEIGHTS_OF_GIVEN_UNIT.contains(&height)) {
         return Ok(());
     }
-    let unit = metres_per_unit * f64::from(ADULT_HEIGHT / height);
     let message = format!("at {metres_per_unit} m a unit the body is {height:.2} m tall, which no person is");
-    let help = if height.is_finite() && height > 0.0 {
-        format!(
-            "With `metres_per_unit = {}` in `import` of the config, or `--metres-per-unit`, it is {ADULT_HEIGHT} m tall, with `{}` as \
-         it is; leave out what is no person",
-            rounded(unit),
-            rounded(metres_per_unit)
-        )
-    } else {
-        "Check the lengths of its segments".to_owned()
-    };
+    let right = rounded(metres_per_unit * f64::from(ADULT_HEIGHT / height));
+    let help = format!(
+        "`--metres-per-unit {right}`, or `import.metres_per_unit`, makes it {ADULT_HEIGHT} m tall; leave out what is no person"
+    );
     Err(content_error(&clip.path, message, &help))
 }
 

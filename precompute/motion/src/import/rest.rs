@@ -47,7 +47,7 @@ pub(super) fn find_rest_pose(clip: &RawClip, roles: &RoleMap, forward: Option<Fo
     match stance(&world, roles) {
         Ok((stance, heading)) => {
             let heading = forward.map_or(heading, Forward::heading);
-            let given = if forward.is_some() { " (given in the config)" } else { "" };
+            let given = if forward.is_some() { " (as given)" } else { "" };
             let degrees = heading.to_degrees().round() + 0.0;
             let sentence = format!("{}; it faces a heading of {degrees:.0} degrees{given}.", stance.sentence);
             (RestPose { sentence, ..stance }, heading)

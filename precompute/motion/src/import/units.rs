@@ -84,8 +84,8 @@ pub(super) fn find_unit(source: &mut SourceClip, roles: &RoleMap, config: &Impor
     let in_metres = |unit: f64| format!("the body is {height:.4} units or {:.2} m tall", height * unit);
     if let Some(unit) = config.metres_per_unit {
         let is_unit = unit.is_finite() && unit > 0.0;
-        ensure(is_unit, || content_error(&path, "`metres_per_unit` must be above 0", "Correct it in the config"))?;
-        source.findings.push(format!("{unit} m a unit: given in the config; {}.", in_metres(unit)));
+        ensure(is_unit, || content_error(&path, "`metres_per_unit` must be above 0", "Correct it"))?;
+        source.findings.push(format!("{unit} m a unit: as given; {}.", in_metres(unit)));
         return Ok(unit);
     }
     if let Some(unit) = source.declared_metres_per_unit {
@@ -116,26 +116,25 @@ pub(super) fn find_unit(source: &mut SourceClip, roles: &RoleMap, config: &Impor
 /// The up axis, and a sentence with the reason.
 pub(super) fn find_up(source: &mut SourceClip, roles: &RoleMap, config: &ImportConfig) -> UpAxis {
     if let Some(up) = config.up {
-        source.findings.push(format!("{} is up: given in the config.", up.letter()));
+        source.findings.push(format!("{} is up: as given.", up.letter()));
         return up;
     }
     let clip = &source.clip;
     let frames: Vec<_> = sample_frames(clip.num_frames, MAX_SAMPLES).collect();
     let sum: Vec3 = frames.iter().map(|&f| feet_to_head(&clip.world(f), roles)).sum();
     let mean = sum / frames.len().max(1) as f32;
-    if let Some(up) = clear_axis(mean) {
-        let (letter, share) = (up.letter(), 100.0 * mean.dot(axis_vector(up)));
-        let finding = format!("{letter} is up: from the feet to the head the motion points {share:.0} % along it.");
-        source.findings.push(finding);
-        return up;
-    }
-    if let Some(up) = clear_axis(feet_to_head(&rest_world(clip), roles)) {
-        let finding = format!("{} is up: the rest pose stands along it; the motion does not tell.", up.letter());
-        source.findings.push(finding);
+    let of_motion = clear_axis(mean).map(|up| {
+        let share = 100.0 * mean.dot(axis_vector(up));
+        (up, format!("from the feet to the head the motion points {share:.0} % along it"))
+    });
+    let of_rest = || clear_axis(feet_to_head(&rest_world(clip), roles));
+    let rest = "the rest pose stands along it; the motion does not tell";
+    if let Some((up, why)) = of_motion.or_else(|| Some((of_rest()?, rest.into()))) {
+        source.findings.push(format!("{} is up: {why}.", up.letter()));
         return up;
     }
     let path = clip.path.display().to_string();
-    source.warnings.push(format!("{path}: neither motion nor rest pose stands upright along +Y or +Z; Y is taken as up (`up` in the config overrides it)."));
+    source.warnings.push(format!("{path}: neither motion nor rest pose stands upright along +Y or +Z; Y is taken as up (`--up`, or `import.up`, overrides it)."));
     source.findings.push("Y is up: nothing tells otherwise.".into());
     UpAxis::Y
 }

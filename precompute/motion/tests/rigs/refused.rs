@@ -285,8 +285,8 @@ fn a_giant_by_its_unit_is_refused_and_the_unit_offered() {
         throng_motion::import::interpret(source, &config, &[])
     };
     let e = read(Some(100.0)).unwrap_err().to_string();
-    assert!(e.contains("m tall, which no person is") && e.contains("metres_per_unit = 0.9"), "{e}");
-    let offered: f64 = e.split("metres_per_unit = ").nth(1).unwrap().split('`').next().unwrap().parse().unwrap();
+    assert!(e.contains("m tall, which no person is") && e.contains("`--metres-per-unit 0.9"), "{e}");
+    let offered: f64 = e.split("--metres-per-unit ").nth(1).unwrap().split('`').next().unwrap().parse().unwrap();
     let height = read(Some(offered)).unwrap().height;
     assert!((1.6..1.9).contains(&height), "{height}");
     assert_eq!(read(None).unwrap().clip.num_frames, FRAMES);

@@ -123,7 +123,7 @@ fn find_fast_steps(clip: &RawClip, roles: &RoleMap) -> Option<String> {
     (steps_hz > MOST_HZ).then(|| {
         format!(
             "takes {steps_hz:.1} steps a second, which nobody does, at {speed_mps:.1} m/s: was it captured at the \
-             {rate_hz:.0} frames a second that it is read with? `import.rate_hz` in a config sets another rate."
+             {rate_hz:.0} frames a second that it is read with? `--rate-hz`, or `import.rate_hz`, sets another rate."
         )
     })
 }
