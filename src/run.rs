@@ -154,6 +154,12 @@ pub fn run(args: &Args) -> CommandResult {
         }
         return run_scene(run::blend_scene(&tables, &file)?, &file, args);
     }
+    if tables.policies().is_empty() {
+        let what = args.what.iter().map(|p| p.to_string_lossy()).collect::<Vec<_>>().join(" ");
+        return fail(format!(
+            "nobody walks in {what}; `throng view {what}` plays it. For a crowd, name walks beside its motion: `throng run MOTION WALKS`"
+        ));
+    }
     let mut config = args.crowd.trial();
     // Poses are for the picture; a number beyond the last character is refused all the same.
     config.recorded = config.recorded.filter(|&c| args.png.is_some() || c >= config.characters);
