@@ -3,6 +3,7 @@
 mod level;
 
 use crate::error::check;
+use crate::events::decide::SAME_GOAL_M;
 use crate::routes::goals::GoalTable;
 use crate::routes::guide::Guide;
 use crate::routes::passages::{GATHER_M, PassageAdvice, PassageTurn, PassageTurns, PassageUse, Passages};
@@ -14,7 +15,7 @@ use crate::steering::density_grid::DensityGrid;
 use crate::steering::forces::{ForceSurroundings, SteeredAgent, desired_velocity};
 use crate::steering::retreat::BlockedAgent;
 use crate::steering::sight::SeenNeighbour;
-use crate::{CrowdError, ForceField, Obstacle, Route, Space};
+use crate::{AtEnd, CrowdError, ForceField, Obstacle, Route, Space};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use level::LevelRoutes;
 use throng_base::ground::FLOOR_M;
@@ -53,6 +54,9 @@ const PATIENCE_S: f64 = 3.0;
 /// Progress without which a body is stuck after a time (m, s).
 const PROGRESS_M: f32 = 0.5;
 const STUCK_AFTER_S: f64 = 10.0;
+/// Time without progress after which a body arrives behind others who stand at its goal (s), and room between it and them (m).
+const SETTLES_S: f64 = 2.0;
+const SETTLES_WITHIN_M: f32 = 0.7;
 /// No neighbour.
 const UNSEEN: SeenNeighbour<Vec2> =
     SeenNeighbour { offset: Vec2::ZERO, velocity: Vec2::ZERO, distance: f32::INFINITY, radii: 0.0, yields: true };
@@ -382,11 +386,36 @@ impl Navigation {
             cursor.look_at = time_s + steering.look_s;
         }
         let left_m = path.distance_left(cursor, position);
-        progress.has_arrived = again || has_arrived;
+        let waits = progress.has_arrived || time_s - progress.progressed_at_s > SETTLES_S;
+        let is_kept = !again && !has_arrived && waits && self.is_kept_from_goal(number, body, cursor);
+        if is_kept {
+            // It has come as near as it can, and stands there.
+            (cursor.aim, cursor.rest) = (position, 0.0);
+        }
+        progress.has_arrived = again || has_arrived || is_kept;
         if again || progress.has_arrived || left_m < progress.least_left_m - PROGRESS_M {
             progress.least_left_m = if again { f32::INFINITY } else { left_m };
             progress.progressed_at_s = time_s;
         }
+    }
+
+    /// True where a body stays behind others who stand at its goal.
+    fn is_kept_from_goal(&self, number: usize, body: &NavigatedBody, cursor: &RouteCursor<Vec2>) -> bool {
+        let (path, mut is_kept) = (&self.paths[number], false);
+        if cursor.rest > 0.0 || path.route.at_end != AtEnd::Stay {
+            return false;
+        }
+        let (at, goal) = (body.position, path.goal());
+        self.for_each_near(at, |other| {
+            let Some(its) = self.bodies[other].filter(|_| other != number && self.progress[other].has_arrived) else {
+                return;
+            };
+            let is_before = its.position.distance(goal) < at.distance(goal);
+            let touches = its.position.distance(at) < 2.0 * self.radius_m + SETTLES_WITHIN_M
+                && (its.height_m - body.height_m).abs() < FLOOR_M;
+            is_kept |= is_before && touches && self.paths[other].goal().distance(goal) < SAME_GOAL_M;
+        });
+        is_kept
     }
 
     /// Velocity at which a body should go on among others, as an agent of a [`crate::Crowd`] would like to.
@@ -583,7 +612,6 @@ fn add_nearest(seen: &mut [SeenNeighbour<Vec2>; MOST_SEEN], num: &mut usize, one
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::AtEnd;
 
     fn route(points: &[[f32; 2]]) -> Route<Vec2> {
         let subgoals = points.iter().map(|&p| Vec2::from_array(p)).collect();

@@ -43,6 +43,13 @@ const STRONGEST_MPS2: f32 = 5.0;
 /// Longest plan of an agent that waits before a passage (s).
 const WAITING_S: f32 = 0.5;
 
+/// Time without progress after which an agent arrives behind others who stand at its goal (s).
+const SETTLES_S: f64 = 0.6;
+/// Room between such an agent and the one before it; it stays as long as that is no larger than the second (m).
+const SETTLES_WITHIN_M: [f32; 2] = [0.5, 0.8];
+/// Distance of goals that are one (m).
+pub(crate) const SAME_GOAL_M: f32 = 0.05;
+
 /// Cause of an agent's next event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Cause {
@@ -152,6 +159,10 @@ impl<V: Space> Decider<'_, V> {
         let mut state = self.states[agent as usize];
         self.update(&mut state, &old, position, velocity);
         let mut walker = self.walker(&state, &old, position, velocity);
+        if self.is_kept_from_goal(agent, &state, &walker, &mut scratch.room) {
+            // Who stands nearer to the goal keeps it from going on: it has come as near as it can.
+            (walker.speed, state.is_there, state.is_stuck) = (0.0, true, false);
+        }
         state.intent = if state.is_there { V::default() } else { walker.desired };
         let waits = self.take_turns(agent, &mut state, &mut walker);
         let is_together = self.keep_company(agent, &state, &mut walker);
@@ -270,6 +281,35 @@ impl<V: Space> Decider<'_, V> {
         } else if self.time - state.progressed_at > self.scenery.steering.stuck_after_s {
             state.is_stuck = true;
         }
+    }
+
+    /// True where an agent stays behind others who stand at its goal.
+    fn is_kept_from_goal(
+        &self,
+        agent: u32,
+        state: &AgentState<V>,
+        walker: &SteeredAgent<V>,
+        room: &mut Vec<u32>,
+    ) -> bool {
+        let path = &self.scenery.paths[state.route as usize];
+        let was_there = state.is_there || self.states[agent as usize].is_there;
+        let waits = was_there || self.time - state.progressed_at > SETTLES_S;
+        if !waits || state.speed == 0.0 || state.cursor.rest > 0.0 || path.route.at_end != AtEnd::Stay {
+            return false;
+        }
+        let within_m = SETTLES_WITHIN_M[usize::from(was_there)];
+        let (at, goal) = (walker.position, path.goal());
+        self.cells.agents_around(self.cells.coordinates(at), room).iter().any(|&other| {
+            let (its, plan) = (&self.states[other as usize], self.cells.plan(other));
+            let place = plan.motion_at(self.time).0;
+            let is_before = (place - goal).length_squared() < (at - goal).length_squared();
+            let same_goal = || {
+                let its_goal = self.scenery.paths[its.route as usize].goal();
+                (its_goal - goal).length_squared() < SAME_GOAL_M * SAME_GOAL_M
+            };
+            let touches = (place - at).length() < walker.radius + plan.radius + within_m;
+            other != agent && its.is_there && is_before && touches && same_goal()
+        })
     }
 
     /// Steering state of an agent: its position, goal and desired speed.

@@ -6,7 +6,7 @@ use crate::routes::order::AgentStatus;
 use crate::safety::bound::Bound;
 use crate::space::plan::MotionPlan;
 use crate::steering::relationships::MOST_COMPANIONS;
-use crate::{Agent, Forces, Id, NONE, Space};
+use crate::{Agent, AtEnd, Forces, Id, NONE, Space};
 
 impl<V: Space> Engine<V> {
     /// Bytes that an agent takes, beside its route: those of one place of all vectors that are as long as the crowd.
@@ -81,7 +81,8 @@ impl<V: Space> Engine<V> {
         let state = &self.states[id.index()];
         let position = self.cells.plan(id.index).motion_at(self.now).0;
         let path = &self.scenery.paths[state.route as usize];
-        Some(if path.has_arrived(&state.cursor, position) {
+        let is_kept_near = state.is_there && path.route.at_end == AtEnd::Stay;
+        Some(if is_kept_near || path.has_arrived(&state.cursor, position) {
             AgentStatus::Arrived
         } else if state.is_stuck {
             AgentStatus::Blocked { by: self.in_front_of(id, position) }

@@ -212,3 +212,31 @@ fn who_comes_to_its_goal_stops_there_and_does_not_walk_back() {
         assert!(crowd.position(id, 13.0).unwrap().distance(goal) < 0.3);
     }
 }
+
+#[test]
+fn who_cannot_get_nearer_to_a_common_goal_stands_around_it() {
+    for (num, seconds, seed) in [(2, 30.0, 1), (8, 40.0, 2), (8, 40.0, 3), (30, 60.0, 4)] {
+        let mut shares = super::Shares(seed);
+        let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets(), num)).unwrap();
+        let ids: Vec<Id> = (0..num)
+            .map(|k| {
+                let at = [1.5 * (k / 6) as f32 + shares.next(), 1.5 * (k % 6) as f32 + shares.next()];
+                crowd.spawn(Agent::standing_at(ground(-20.0 + at[0], 4.0 + at[1]))).unwrap()
+            })
+            .collect();
+        let goal = ground(-9.0, 12.0);
+        ids.iter().for_each(|&id| crowd.order(id, AgentOrder::to_goal(goal)).unwrap());
+        crowd.advance(seconds, &mut |_| {}).unwrap();
+        let places = |crowd: &Crowd, at: f64| ids.iter().map(|&id| crowd.position(id, at).unwrap()).collect::<Vec<_>>();
+        let before = places(&crowd, seconds);
+        let num_there = ids.iter().filter(|&&id| crowd.status(id).unwrap() == AgentStatus::Arrived).count();
+        assert_eq!(num_there, num, "seed {seed}: so many of {num} have arrived");
+        let farthest = before.iter().map(|p| p.distance(goal)).fold(0.0, f32::max);
+        assert!(farthest < 1.0 + 0.6 * (num as f32).sqrt(), "seed {seed}: {farthest} m from the goal");
+        for step in 1..=100 {
+            crowd.advance(seconds + 0.1 * f64::from(step), &mut |_| {}).unwrap();
+        }
+        let moved = before.iter().zip(places(&crowd, seconds + 10.0)).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
+        assert!(moved < 0.05, "seed {seed}: one of {num} moves by {moved} m");
+    }
+}
