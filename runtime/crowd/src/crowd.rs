@@ -449,6 +449,11 @@ impl Crowd {
         each!(&self.engine, e => e.distance_left(id))
     }
 
+    /// True for an agent that waits for its turn at a passage.
+    pub fn waits(&self, id: Id) -> bool {
+        each!(&self.engine, e => e.waits(id))
+    }
+
     /// Number of the subgoal of its route to which it is on the way.
     pub fn route_leg(&self, id: Id) -> Option<u32> {
         each!(&self.engine, e => e.route_leg(id))

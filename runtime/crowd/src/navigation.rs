@@ -442,7 +442,7 @@ impl Navigation {
             ..SteeredAgent::default()
         };
         let advice = found.map(|found| {
-            let advice = self.turns.advise(&found, position, self.radius_m + PASSAGE_ROOM_M);
+            let advice = self.advise(&found, position);
             let waits = advice == PassageAdvice::Enter && !found.is_inside && self.is_behind(number, position, &found);
             if !waits {
                 advice
@@ -537,6 +537,17 @@ impl Navigation {
         let RouteProgress { cursor, velocity, has_arrived, progressed_at_s, .. } = self.progress[body];
         let is_stuck = !has_arrived && self.time_s - progressed_at_s > STUCK_AFTER_S;
         NavigationAim { position: cursor.aim, rest_m: cursor.rest, velocity, has_arrived, is_stuck }
+    }
+
+    /// True for a body that waits for its turn at a passage, as of the last update (body < number of bodies).
+    pub fn waits(&self, body: usize) -> bool {
+        let found = self.uses[body].zip(self.bodies.get(body).copied().flatten());
+        let found = found.filter(|_| !self.progress[body].has_arrived);
+        found.is_some_and(|(found, at)| self.advise(&found, at.position) != PassageAdvice::Enter)
+    }
+
+    fn advise(&self, found: &PassageUse, at: Vec2) -> PassageAdvice {
+        self.turns.advise(found, at, self.radius_m + PASSAGE_ROOM_M)
     }
 
     /// State of all bodies, for a snapshot.

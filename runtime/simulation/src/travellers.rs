@@ -268,6 +268,11 @@ impl Travellers {
         }
     }
 
+    /// True for a character that waits for its turn at a passage (number < num_characters).
+    pub fn waits(&self, number: usize) -> bool {
+        self.navigation.waits(number)
+    }
+
     /// Row of a character; none where it has left. Ids are numbered as characters, since nobody enters later.
     fn row(&self, number: usize) -> Option<usize> {
         self.people.row(Id::first(number)).ok()

@@ -130,6 +130,8 @@ impl SceneWatch {
                 remaining_m: t.remaining_m(number),
                 arrival_m: config.arrival_m,
                 is_loop: config.at_end == AtEndConfig::Again,
+                has_settled: t.has_arrived(number),
+                waits: t.waits(number),
             })
         });
         self.travels.observe(sim.time_s(), travels);

@@ -9,6 +9,8 @@ const STUCK_M: f32 = 0.5;
 const STUCK_S: f64 = 10.0;
 /// An agent that does not come `STUCK_M` nearer to its goal in this time is stuck, too: it may walk about in a jam (s).
 const JAMMED_S: f64 = 20.0;
+/// Longest wait for a turn at a passage that is no jam (s).
+const MOST_WAIT_S: f64 = 60.0;
 /// Time over which a speed is averaged (s).
 const WINDOW_S: f64 = 10.0;
 
@@ -43,6 +45,8 @@ struct AgentProgress<V> {
     stayed_since: (V, f64),
     /// Shortest remaining path so far, by the agent's own route, and since when (m, s).
     nearest: (f32, f64),
+    /// Time at which it did not wait for a turn last (s).
+    waits_since_s: f64,
     has_arrived: bool,
     is_stuck: bool,
     /// True before it enters, and after it has left.
@@ -64,6 +68,10 @@ pub struct AgentSample<'a, V> {
     pub arrival_m: f32,
     /// True if it begins its path again at the end.
     pub is_loop: bool,
+    /// True if it stands at its goal, be it behind others.
+    pub has_settled: bool,
+    /// True if it waits for its turn at a passage.
+    pub waits: bool,
 }
 
 impl<V: Space> ProgressMeter<V> {
@@ -112,13 +120,13 @@ impl<V: Space> ProgressMeter<V> {
         self.agents.iter().filter(|m| !m.has_arrived && !m.is_absent && m.makes_no_progress(time_s)).count()
     }
 
-    /// Agents that have reached their goal, or left there.
+    /// Agents that have reached their goal, stand around it behind others, or left there.
     pub fn arrived(&self) -> usize {
         self.agents.iter().filter(|m| m.has_arrived).count()
     }
 
     /// Agents that at any time stayed within half a metre for 10 s away from their goal, or did not come half a metre nearer in
-    /// 20 s.
+    /// 20 s; time for which they wait for a turn is left out, up to [`MOST_WAIT_S`].
     pub fn stuck(&self) -> usize {
         self.agents.iter().filter(|m| m.is_stuck).count()
     }
@@ -136,6 +144,7 @@ impl<V: Space> AgentProgress<V> {
             stands: false,
             stayed_since: (at, time_s),
             nearest: (sight.remaining_m, time_s),
+            waits_since_s: time_s,
             has_arrived: false,
             is_stuck: false,
             is_absent: sight.at.is_none(),
@@ -169,7 +178,7 @@ impl<V: Space> AgentProgress<V> {
         }
         // A round begins again where the way that is left grows by most of it, however far beside the goal.
         let laps = sight.is_loop && sight.remaining_m > self.nearest.0 + 0.5 * path_length(sight.path);
-        let is_there = laps || self.has_reached_goal(sight, at);
+        let is_there = laps || sight.has_settled && !sight.is_loop || self.has_reached_goal(sight, at);
         let left = self.remaining_length(sight, at);
         // A loop may have begun again; a route by other corners may be longer than the path.
         let left = if is_there { left.min(sight.remaining_m) } else { left };
@@ -184,6 +193,12 @@ impl<V: Space> AgentProgress<V> {
         }
         if sight.remaining_m < self.nearest.0 - STUCK_M {
             self.nearest = (sight.remaining_m, time_s);
+        }
+        self.waits_since_s = if sight.waits { self.waits_since_s } else { time_s };
+        if sight.waits && time_s - self.waits_since_s <= MOST_WAIT_S {
+            // It gives way while it waits, and regains that ground later.
+            self.stayed_since = (at, time_s);
+            self.nearest = (self.nearest.0.max(sight.remaining_m), time_s);
         }
         self.is_stuck |= self.makes_no_progress(time_s);
         if is_there {
@@ -239,7 +254,16 @@ mod tests {
 
     fn sight(at: Option<Vec2>, again: bool) -> AgentSample<'static, Vec2> {
         let left_m = at.map_or(0.0, |p| (10.0 - p.x).max(0.0) + 10.0 - p.y);
-        AgentSample { at, path: &WAY, path_number: 0, remaining_m: left_m, arrival_m: 0.5, is_loop: again }
+        AgentSample {
+            at,
+            path: &WAY,
+            path_number: 0,
+            remaining_m: left_m,
+            arrival_m: 0.5,
+            is_loop: again,
+            has_settled: false,
+            waits: false,
+        }
     }
 
     /// Position after a distance along the path (m).
@@ -304,6 +328,20 @@ mod tests {
             assert_eq!((meter.arrived(), meter.reached()), (0, 0.0));
             // One stands, one creeps, and one trembles.
             assert!((meter.stopped_share() - 2.0 / 3.0).abs() < 0.01, "{}", meter.stopped_share());
+        }
+    }
+
+    #[test]
+    fn who_has_settled_or_waits_for_a_turn_of_usual_length_is_not_stuck() {
+        let still = sight(Some(Vec2::new(4.0, 0.0)), false);
+        for (seconds, num) in [(50, 1), (75, 2)] {
+            let mut meter = ProgressMeter::default();
+            for i in 0..=seconds * 30 {
+                let all = [AgentSample { has_settled: true, ..still }, AgentSample { waits: true, ..still }, still];
+                meter.observe(f64::from(i) / 30.0, all.into_iter());
+            }
+            let stuck = [meter.stuck(), meter.stuck_at(f64::from(seconds)), meter.arrived()];
+            assert_eq!(stuck, [num, num, 1], "after {seconds} s");
         }
     }
 

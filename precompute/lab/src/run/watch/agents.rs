@@ -6,7 +6,7 @@ use crate::run::groups::agents_crowd;
 use crate::run::meter::{AgentSample, GateMeter, LaneMeter, ProgressMeter};
 use glam::{Vec2, Vec3};
 use throng_core::Joint;
-use throng_crowd::{AtEnd, EventCounts, Space};
+use throng_crowd::{AgentStatus, AtEnd, EventCounts, Space};
 use throng_simulation::agents::{SceneAgents, ground_coordinates};
 use throng_simulation::scene::SceneMeasureConfig;
 use throng_simulation::{AnyCharacterGroup, Simulation};
@@ -155,6 +155,8 @@ impl<V: Space> AgentWatch<V> {
             remaining_m: agents.id(m).and_then(|id| agents.crowd().distance_left(id)).unwrap_or(0.0),
             arrival_m: layout.arrivals[m],
             is_loop: agents.num_orders(m) == 0 && layout.at_end(m) == Some(AtEnd::Again),
+            has_settled: agents.id(m).is_some_and(|id| agents.crowd().status(id).ok() == Some(AgentStatus::Arrived)),
+            waits: agents.id(m).is_some_and(|id| agents.crowd().waits(id)),
         };
         self.progress.observe(time_s, all().map(sight));
         if let Some(gate) = &mut self.gate {
