@@ -449,7 +449,7 @@ impl Crowd {
         each!(&self.engine, e => e.distance_left(id))
     }
 
-    /// True for an agent that waits for its turn at a passage.
+    /// True for an agent that waits before a closed door, or for its turn at a passage.
     pub fn waits(&self, id: Id) -> bool {
         each!(&self.engine, e => e.waits(id))
     }

@@ -3,7 +3,7 @@
 mod level;
 
 use crate::error::check;
-use crate::events::decide::SAME_GOAL_M;
+use crate::events::decide::{BEFORE_DOOR_M, SAME_GOAL_M};
 use crate::routes::goals::GoalTable;
 use crate::routes::guide::Guide;
 use crate::routes::passages::{GATHER_M, PassageAdvice, PassageTurn, PassageTurns, PassageUse, Passages};
@@ -110,6 +110,10 @@ struct RouteProgress {
     least_left_m: f32,
     progressed_at_s: f64,
     has_arrived: bool,
+    /// True where it waits before a closed door, or for its turn at a passage.
+    waits: bool,
+    /// Number of the closed door on its way, or 0.
+    door: u8,
 }
 
 /// Paths of bodies that something else moves.
@@ -381,7 +385,7 @@ impl Navigation {
         if time_s >= cursor.look_at || cursor.rest > 0.0 && near || leg != cursor.leg {
             match level {
                 Some(level) => level.find_aim(number, path, cursor, body),
-                None => guide.find_aim(path, cursor, position, self.radius_m),
+                None => progress.door = guide.find_aim(path, cursor, position, self.radius_m),
             }
             cursor.look_at = time_s + steering.look_s;
         }
@@ -401,21 +405,25 @@ impl Navigation {
 
     /// True where a body stays behind others who stand at its goal.
     fn is_kept_from_goal(&self, number: usize, body: &NavigatedBody, cursor: &RouteCursor<Vec2>) -> bool {
-        let (path, mut is_kept) = (&self.paths[number], false);
-        if cursor.rest > 0.0 || path.route.at_end != AtEnd::Stay {
-            return false;
-        }
-        let (at, goal) = (body.position, path.goal());
+        let goal = self.paths[number].goal();
+        let may_settle = cursor.rest == 0.0 && self.paths[number].route.at_end == AtEnd::Stay;
+        may_settle
+            && self.is_behind_one(number, body, goal, |other| {
+                self.progress[other].has_arrived && self.paths[other].goal().distance(goal) < SAME_GOAL_M
+            })
+    }
+
+    /// True where another body in some state is nearer to a place than a body, and next to it.
+    fn is_behind_one(&self, number: usize, body: &NavigatedBody, to: Vec2, is_one: impl Fn(usize) -> bool) -> bool {
+        let (at, mut is_behind) = (body.position, false);
         self.for_each_near(at, |other| {
-            let Some(its) = self.bodies[other].filter(|_| other != number && self.progress[other].has_arrived) else {
-                return;
-            };
-            let is_before = its.position.distance(goal) < at.distance(goal);
+            let Some(its) = self.bodies[other].filter(|_| other != number && is_one(other)) else { return };
+            let is_before = its.position.distance(to) < at.distance(to);
             let touches = its.position.distance(at) < 2.0 * self.radius_m + SETTLES_WITHIN_M
                 && (its.height_m - body.height_m).abs() < FLOOR_M;
-            is_kept |= is_before && touches && self.paths[other].goal().distance(goal) < SAME_GOAL_M;
+            is_behind |= is_before && touches;
         });
-        is_kept
+        is_behind
     }
 
     /// Velocity at which a body should go on among others, as an agent of a [`crate::Crowd`] would like to.
@@ -441,18 +449,21 @@ impl Navigation {
             distance_left: distance + progress.cursor.rest,
             ..SteeredAgent::default()
         };
-        let advice = found.map(|found| {
-            let advice = self.advise(&found, position);
+        let at_door = self.advise_at_door(number, body, progress);
+        let advice = at_door.or_else(|| {
+            let found = found?;
+            let advice = self.turns.advise(&found, position, self.radius_m + PASSAGE_ROOM_M);
             let waits = advice == PassageAdvice::Enter && !found.is_inside && self.is_behind(number, position, &found);
-            if !waits {
+            Some(if !waits {
                 advice
             } else if found.distance < FILE_M {
                 found.give_way_from_mouth(position)
             } else {
                 PassageAdvice::Stand
-            }
+            })
         });
-        if advice.is_some_and(|advice| advice != PassageAdvice::Enter) {
+        progress.waits = advice.is_some_and(|advice| advice != PassageAdvice::Enter);
+        if progress.waits {
             // Who waits for its turn is in no jam.
             progress.progressed_at_s = time_s;
             progress.least_left_m = progress.least_left_m.max(me.distance_left);
@@ -512,6 +523,20 @@ impl Navigation {
         desired_velocity(&me, &self.field, &around)
     }
 
+    /// Advice to a body that waits before a closed door; none to all others.
+    fn advise_at_door(&self, number: usize, body: &NavigatedBody, progress: &RouteProgress) -> Option<PassageAdvice> {
+        let (at, radius) = (body.position, self.radius_m + WALL_ROOM_M);
+        let streets = self.streets.as_ref().filter(|_| !progress.has_arrived)?;
+        let door = streets.closed_door(progress.door).filter(|door| door.distance(at) < BEFORE_DOOR_M)?;
+        let advice = door.advise(number, at, radius, |to| streets.sees_place(at, to, radius, false));
+        let is_behind = advice == PassageAdvice::Queue
+            && self.is_behind_one(number, body, door.middle(), |other| {
+                let its = &self.progress[other];
+                its.waits && its.door == progress.door
+            });
+        Some(if is_behind { PassageAdvice::Stand } else { advice })
+    }
+
     /// True for a body before a passage that as many as have room side by side would enter with or before it.
     fn is_behind(&self, number: usize, place: Vec2, own: &PassageUse) -> bool {
         let mut num_before = 0;
@@ -539,15 +564,9 @@ impl Navigation {
         NavigationAim { position: cursor.aim, rest_m: cursor.rest, velocity, has_arrived, is_stuck }
     }
 
-    /// True for a body that waits for its turn at a passage, as of the last update (body < number of bodies).
+    /// True for a body that waits before a closed door, or for its turn at a passage (body < number of bodies).
     pub fn waits(&self, body: usize) -> bool {
-        let found = self.uses[body].zip(self.bodies.get(body).copied().flatten());
-        let found = found.filter(|_| !self.progress[body].has_arrived);
-        found.is_some_and(|(found, at)| self.advise(&found, at.position) != PassageAdvice::Enter)
-    }
-
-    fn advise(&self, found: &PassageUse, at: Vec2) -> PassageAdvice {
-        self.turns.advise(found, at, self.radius_m + PASSAGE_ROOM_M)
+        self.progress[body].waits
     }
 
     /// State of all bodies, for a snapshot.
@@ -587,6 +606,8 @@ impl RouteProgress {
             least_left_m: f32::INFINITY,
             progressed_at_s: 0.0,
             has_arrived: false,
+            waits: false,
+            door: 0,
         }
     }
 }

@@ -91,7 +91,7 @@ struct TravelOrder {
 }
 
 /// Snapshot of travels, around one of the characters.
-const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 4, setup: 0 };
+const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 5, setup: 0 };
 
 impl Travellers {
     /// Creates groups with one bundle, with all characters in place.
@@ -268,7 +268,7 @@ impl Travellers {
         }
     }
 
-    /// True for a character that waits for its turn at a passage (number < num_characters).
+    /// True for a character that waits before a closed door, or for its turn at a passage (number < num_characters).
     pub fn waits(&self, number: usize) -> bool {
         self.navigation.waits(number)
     }

@@ -40,6 +40,10 @@ const BRAKING_PLANS: f32 = 0.5;
 /// Forces that add up to more than this count no more than this (m/s^2).
 const STRONGEST_MPS2: f32 = 5.0;
 
+/// Distance from a closed door within which an agent waits for it to open (m).
+pub(crate) const BEFORE_DOOR_M: f32 = 8.0;
+/// Room behind another one who waits for it (m).
+const BEHIND_M: f32 = 0.5;
 /// Longest plan of an agent that waits before a passage (s).
 const WAITING_S: f32 = 0.5;
 
@@ -82,6 +86,10 @@ pub(crate) struct AgentState<V> {
     pub intent: V,
     pub is_there: bool,
     pub is_stuck: bool,
+    /// True where it waits before a closed door, or for its turn at a passage.
+    pub waits: bool,
+    /// Number of the closed door on its way, or 0.
+    pub door: u8,
     /// A moving obstacle is in its place.
     pub is_struck: bool,
     /// True where it acts before its plan ends, see `Engine::woken_at`.
@@ -159,12 +167,12 @@ impl<V: Space> Decider<'_, V> {
         let mut state = self.states[agent as usize];
         self.update(&mut state, &old, position, velocity);
         let mut walker = self.walker(&state, &old, position, velocity);
-        if self.is_kept_from_goal(agent, &state, &walker, &mut scratch.room) {
+        if self.is_kept_from_goal(agent, &state, &walker) {
             // Who stands nearer to the goal keeps it from going on: it has come as near as it can.
             (walker.speed, state.is_there, state.is_stuck) = (0.0, true, false);
         }
         state.intent = if state.is_there { V::default() } else { walker.desired };
-        let waits = self.take_turns(agent, &mut state, &mut walker);
+        state.waits = self.take_turns(agent, &mut state, &mut walker);
         let is_together = self.keep_company(agent, &state, &mut walker);
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
@@ -196,7 +204,7 @@ impl<V: Space> Decider<'_, V> {
         };
         let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
-        let longest = if waits { longest.min(WAITING_S) } else { longest };
+        let longest = if state.waits { longest.min(WAITING_S) } else { longest };
         DesiredMotion { state, fresh, forces, region, meeting, longest }
     }
 
@@ -266,7 +274,7 @@ impl<V: Space> Decider<'_, V> {
         let (rest, near) = (state.cursor.rest, steering.corner_m);
         let is_at_corner = rest > 0.0 && (state.cursor.aim - position).length_squared() < near * near;
         if self.time >= state.cursor.look_at || is_at_corner || leg != state.cursor.leg {
-            self.guide().find_aim(path, &mut state.cursor, position, plan.radius);
+            state.door = self.guide().find_aim(path, &mut state.cursor, position, plan.radius);
             state.cursor.look_at = self.time + steering.look_s;
         }
         state.is_there = again || path.has_arrived(&state.cursor, position);
@@ -284,13 +292,7 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// True where an agent stays behind others who stand at its goal.
-    fn is_kept_from_goal(
-        &self,
-        agent: u32,
-        state: &AgentState<V>,
-        walker: &SteeredAgent<V>,
-        room: &mut Vec<u32>,
-    ) -> bool {
+    fn is_kept_from_goal(&self, agent: u32, state: &AgentState<V>, walker: &SteeredAgent<V>) -> bool {
         let path = &self.scenery.paths[state.route as usize];
         let was_there = state.is_there || self.states[agent as usize].is_there;
         let waits = was_there || self.time - state.progressed_at > SETTLES_S;
@@ -298,18 +300,31 @@ impl<V: Space> Decider<'_, V> {
             return false;
         }
         let within_m = SETTLES_WITHIN_M[usize::from(was_there)];
-        let (at, goal) = (walker.position, path.goal());
-        self.cells.agents_around(self.cells.coordinates(at), room).iter().any(|&other| {
-            let (its, plan) = (&self.states[other as usize], self.cells.plan(other));
-            let place = plan.motion_at(self.time).0;
-            let is_before = (place - goal).length_squared() < (at - goal).length_squared();
-            let same_goal = || {
-                let its_goal = self.scenery.paths[its.route as usize].goal();
-                (its_goal - goal).length_squared() < SAME_GOAL_M * SAME_GOAL_M
-            };
-            let touches = (place - at).length() < walker.radius + plan.radius + within_m;
-            other != agent && its.is_there && is_before && touches && same_goal()
+        self.is_behind_one(agent, walker, path.goal(), within_m, |its| {
+            let its_goal = self.scenery.paths[its.route as usize].goal();
+            its.is_there && (its_goal - path.goal()).length_squared() < SAME_GOAL_M * SAME_GOAL_M
         })
+    }
+
+    /// True where another agent in some state is nearer to a place than an agent, and within a distance of it (m).
+    fn is_behind_one(
+        &self,
+        agent: u32,
+        walker: &SteeredAgent<V>,
+        goal: V,
+        within_m: f32,
+        is_one: impl Fn(&AgentState<V>) -> bool,
+    ) -> bool {
+        let (at, mut is_behind) = (walker.position, false);
+        self.cells.for_each_cell_around(self.cells.coordinates(at), |cell| {
+            self.cells.for_each_in_cell(cell, |plan| {
+                let place = plan.motion_at(self.time).0;
+                let is_before = (place - goal).length_squared() < (at - goal).length_squared();
+                let touches = (place - at).length() < walker.radius + plan.radius + within_m;
+                is_behind |= plan.index != agent && is_before && touches && is_one(&self.states[plan.index as usize]);
+            });
+        });
+        is_behind
     }
 
     /// Steering state of an agent: its position, goal and desired speed.
@@ -341,6 +356,17 @@ impl<V: Space> Decider<'_, V> {
     /// Lets an agent wait before a passage that is granted to others, or give way where it is blocked; true where it waits.
     fn take_turns(&self, agent: u32, state: &mut AgentState<V>, walker: &mut SteeredAgent<V>) -> bool {
         let at = walker.position.on_ground();
+        let door = self.scenery.streets.as_ref().and_then(|s| Some((s, s.closed_door(state.door)?)));
+        if let Some((streets, door)) = door.filter(|(_, door)| !state.is_there && door.distance(at) < BEFORE_DOOR_M) {
+            let advice =
+                door.advise(agent as usize, at, walker.radius, |to| streets.sees_place(at, to, walker.radius, false));
+            let is_behind = advice == PassageAdvice::Queue
+                && self.is_behind_one(agent, walker, V::over_ground(door.middle()), BEHIND_M, |its| {
+                    its.waits && its.door == state.door
+                });
+            self.take_advice(if is_behind { PassageAdvice::Stand } else { advice }, state, walker);
+            return true;
+        }
         let found = self.scenery.passages.find_use(at, state.cursor.aim.on_ground(), 0.0).filter(|_| !state.is_there);
         let Some(found) = found else {
             if self.give_way(agent, state, walker, false) {
@@ -349,14 +375,21 @@ impl<V: Space> Decider<'_, V> {
             }
             return false;
         };
-        match self.turns.advise(&found, at, walker.radius) {
-            PassageAdvice::Enter => {
-                if !found.is_inside {
-                    self.give_way(agent, state, walker, true);
-                }
-                return false;
+        let advice = self.turns.advise(&found, at, walker.radius);
+        if advice == PassageAdvice::Enter {
+            if !found.is_inside {
+                self.give_way(agent, state, walker, true);
             }
-            PassageAdvice::Queue => {}
+            return false;
+        }
+        self.take_advice(advice, state, walker);
+        true
+    }
+
+    /// Makes an agent wait as it is advised.
+    fn take_advice(&self, advice: PassageAdvice, state: &mut AgentState<V>, walker: &mut SteeredAgent<V>) {
+        match advice {
+            PassageAdvice::Enter | PassageAdvice::Queue => {}
             PassageAdvice::Stand => walker.speed = 0.0,
             PassageAdvice::GiveWay(direction, share) => {
                 walker.desired = V::over_ground(direction);
@@ -367,7 +400,6 @@ impl<V: Space> Decider<'_, V> {
         // Who waits for its turn is in no jam.
         state.progressed_at = self.time;
         state.least_left = state.least_left.max(walker.distance_left);
-        true
     }
 
     /// Makes a blocked agent step back if others can only pass then, or by chance; true where it yields its ground to

@@ -3,7 +3,6 @@
 use crate::events::decide::{Decider, DecisionScratch};
 use crate::events::engine::Engine;
 use crate::routes::order::AgentStatus;
-use crate::routes::passages::PassageAdvice;
 use crate::safety::bound::Bound;
 use crate::space::plan::MotionPlan;
 use crate::steering::relationships::MOST_COMPANIONS;
@@ -93,10 +92,7 @@ impl<V: Space> Engine<V> {
     }
 
     pub fn waits(&self, id: Id) -> bool {
-        let Some(plan) = self.plan(id) else { return false };
-        let (at, state) = (plan.motion_at(self.now).0.on_ground(), &self.states[id.index()]);
-        let found = self.scenery.passages.find_use(at, state.cursor.aim.on_ground(), 0.0).filter(|_| !state.is_there);
-        found.is_some_and(|found| self.turns.advise(&found, at, plan.radius) != PassageAdvice::Enter)
+        self.check_id(id).is_ok() && self.states[id.index()].waits
     }
 
     /// Companions of an agent.

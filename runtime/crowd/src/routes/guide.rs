@@ -39,13 +39,13 @@ const BEYOND: u32 = 4;
 const EDGE_M: f32 = 1.0;
 
 impl<V: Space> Guide<'_, V> {
-    /// Finds the aim of an agent at `x`.
-    pub fn find_aim(&self, path: &RoutePath<V>, cursor: &mut RouteCursor<V>, x: V, radius: f32) {
+    /// Finds the aim of an agent at `x`; returns the number of the closed door before which it has to wait, or 0.
+    pub fn find_aim(&self, path: &RoutePath<V>, cursor: &mut RouteCursor<V>, x: V, radius: f32) -> u8 {
         let (target, rest) = path.target(cursor.leg, x, radius);
         let before = cursor.aim;
         (cursor.aim, cursor.rest) = (target, rest);
         let Some((streets, costs)) = self.streets.zip(path.goal_of(cursor.leg).map(|n| self.goals.costs(n))) else {
-            return;
+            return 0;
         };
         let (from, mut to) = (x.to_world(), target.to_world());
         let sees = |to: Vec3| streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), false);
@@ -57,7 +57,7 @@ impl<V: Space> Guide<'_, V> {
         }
         let offset_to_goal = to.xz() - from.xz();
         if sees_it && !self.is_anybody_coming(x, offset_to_goal) {
-            return;
+            return 0;
         }
         let (goal, rest) = path.subgoal(cursor.leg);
         let goal = goal.to_world();
@@ -69,14 +69,14 @@ impl<V: Space> Guide<'_, V> {
         let through = num == 0 && !sees_it;
         if through {
             if streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), true) {
-                return;
+                return streets.closed_door_between(from.xz(), to.xz(), radius.min(costs.near));
             }
             num = streets.corners_ahead(&CornerQuery { through: true, ..query }, &mut corners);
         }
         let ahead = Space::unit_and_length(corners[0].map_or(Vec2::ZERO, |c| c.next - from.xz())).0;
         let coming = oncoming(self.grid, x, V::over_ground(ahead), f32::INFINITY, self.steering)[0].min(1.0);
         let mut best = (f32::INFINITY, Vec2::ZERO, 0.0);
-        let mut is_best_reached = true;
+        let (mut is_best_reached, mut door) = (true, 0);
         let mut straight_on = f32::INFINITY;
         for corner in corners[..num].iter().flatten() {
             let straight = from.xz().distance(corner.at) + corner.at.distance(corner.next);
@@ -111,7 +111,7 @@ impl<V: Space> Guide<'_, V> {
                 let is_better = if is_reached == is_best_reached { cost < best.0 } else { is_best_reached };
                 if is_better && (k == 0 || streets.sees_place(from.xz(), at, radius, through)) {
                     best = (cost, at, at.distance(corner.next) + corner.rest);
-                    is_best_reached = is_reached;
+                    (is_best_reached, door) = (is_reached, corner.door);
                 }
             }
         }
@@ -122,6 +122,7 @@ impl<V: Space> Guide<'_, V> {
             cursor.aim = V::from_world(Vec3::new(at.x, height, at.y));
             cursor.rest = left + rest;
         }
+        door
     }
 
     /// Next narrow place near by on the path of an agent at `x`.

@@ -37,6 +37,10 @@ const KEPT_FREE_M: f32 = 2.1;
 const LANE_M: f32 = 5.0;
 /// Room beside those who come out (m).
 const LANE_ROOM_M: f32 = 0.15;
+/// Least and largest distance from a closed door at which people wait (m).
+const DOOR_M: [f32; 2] = [0.8, 2.2];
+/// Share of that range by which one stands before the next: the golden ratio.
+const GOLDEN: f32 = 0.618_034;
 /// Distance from the middle of the lane within which those who stand make room for others who leave it (m).
 const SPREAD_M: f32 = 1.6;
 /// Distance of places at the corners of a mouth from its edge: who goes round one of them goes in (m).
@@ -143,6 +147,42 @@ pub(crate) enum PassageAdvice {
     Stand,
     /// Give way, along a unit vector and with a share of the usual speed.
     GiveWay(Vec2, f32),
+}
+
+/// Ends of a closed door before which people wait (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ClosedDoor(pub [Vec2; 2]);
+
+impl ClosedDoor {
+    /// Distance of a place from it (m).
+    pub fn distance(&self, at: Vec2) -> f32 {
+        nearest_on_segment(at, self.0).distance(at)
+    }
+
+    /// Middle (m).
+    pub fn middle(&self) -> Vec2 {
+        self.0[0].midpoint(self.0[1])
+    }
+
+    /// Advice to somebody of a number and a radius (m) who waits for it to open: each stands at a distance of its own, and beside
+    /// the lane of those who will come out.
+    ///
+    /// - `is_free`: true for a place to which it can step aside.
+    pub fn advise(&self, number: usize, at: Vec2, radius: f32, is_free: impl Fn(Vec2) -> bool) -> PassageAdvice {
+        let (distance, share) = (self.distance(at), (number as f32 * GOLDEN).fract());
+        let half = 0.5 * (self.0[1] - self.0[0]);
+        let (along, half_width) = (half.normalize_or(Vec2::X), half.length());
+        let aside = (at - self.middle()).dot(along);
+        let missing = half_width.min(SPREAD_M) + radius + LANE_ROOM_M - aside.abs();
+        let away = if aside < 0.0 { -along } else { along };
+        if missing > 0.0 && distance < STAND_M && is_free(at + away * missing) {
+            PassageAdvice::GiveWay(away, 0.5)
+        } else if distance > DOOR_M[0] + (DOOR_M[1] - DOOR_M[0]) * share {
+            PassageAdvice::Queue
+        } else {
+            PassageAdvice::Stand
+        }
+    }
 }
 
 /// Nearest walls on both sides of a way (m).

@@ -14,6 +14,7 @@ mod search;
 mod tests;
 
 use crate::routes::outline::ObstacleOutline;
+use crate::routes::passages::ClosedDoor;
 use crate::{AtEnd, NONE, Obstacle, Route, Space};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use near::EdgeGrid;
@@ -124,6 +125,8 @@ pub(crate) struct RouteCorner {
     pub rest: f32,
     /// Length of the path to the goal by this corner (m).
     pub distance_left: f32,
+    /// Number of the first closed door on that path, or 0.
+    pub door: u8,
 }
 
 impl RouteCorner {
@@ -459,6 +462,22 @@ impl Streets {
     pub(crate) fn sees_place(&self, from: Vec2, to: Vec2, radius: f32, through: bool) -> bool {
         let doors = self.doors_between(from, to, 0.98 * radius);
         doors.is_some_and(|d| through || d & self.closed == 0)
+    }
+
+    /// Number of the closed door that is nearest along a straight line between two places that walls do not part; 0 for none.
+    pub(crate) fn closed_door_between(&self, from: Vec2, to: Vec2, clearance: f32) -> u8 {
+        let doors = self.doors_between(from, to, 0.5 * clearance).unwrap_or(0) & self.closed;
+        let own = self.outlines.iter().zip(&self.doors).filter(|(_, door)| *door & doors != 0);
+        let nearest = own.min_by(|(a, _), (b, _)| a.distance(from).total_cmp(&b.distance(from)));
+        nearest.map_or(0, |(_, door)| door.trailing_zeros() as u8 + 1)
+    }
+
+    /// The door of a number; none where it is open.
+    pub(crate) fn closed_door(&self, number: u8) -> Option<ClosedDoor> {
+        let door = 1u64.checked_shl(u32::from(number.checked_sub(1)?))? & self.closed;
+        let (outline, _) = self.outlines.iter().zip(&self.doors).find(|(_, own)| *own & door != 0)?;
+        let length = |[from, to]: &[Vec2; 2]| from.distance(*to);
+        outline.edges().map(|(ends, _)| ends).max_by(|a, b| length(a).total_cmp(&length(b))).map(ClosedDoor)
     }
 
     /// Calls `visit` for the edges of all that stands near a place, doors left out, with their radii, and the lowest and highest

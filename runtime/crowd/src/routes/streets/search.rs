@@ -206,8 +206,16 @@ impl Streets {
             }
             let (next, rest) =
                 if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.points[on].length) };
-            out[num] =
-                Some(RouteCorner { at: self.points[n], out: away, free, number, next, rest, distance_left: length });
+            let clearance = radius.min(costs.near);
+            let (mut last_at, mut ahead, mut door) = (from, Some(n), 0);
+            while through && door == 0 && last_at != goal {
+                let to = ahead.map_or(goal, |n| self.points[n]);
+                door = self.closed_door_between(last_at, to, clearance);
+                ahead = ahead.map(|n| costs.points[n].next).filter(|&next| next != NONE).map(|next| next as usize);
+                last_at = to;
+            }
+            let at = self.points[n];
+            out[num] = Some(RouteCorner { at, out: away, free, number, next, rest, distance_left: length, door });
             num += 1;
             most = most.min(length + longer);
         }
