@@ -16,6 +16,12 @@ const NARROW_RADII: f32 = 4.4;
 const STAIRS_M: f32 = 0.3;
 /// Width of stairs that a level's walls, on the edges of voxels, may leave out (m).
 const RAGGED_M: f32 = 0.2;
+/// Widest door of a cabin: one side waits there until the other has come out (m).
+const CABIN_DOOR_M: f32 = 2.2;
+/// Largest free distance in a cabin, less the clearance (m).
+const CABIN_M: f32 = 2.0;
+/// Half of the length of the passage through its door (m).
+const IN_DOOR_M: f32 = 0.3;
 /// Distance between the points of a middle line (m).
 const STEP_M: f32 = 0.1;
 /// Most points of a middle line.
@@ -60,6 +66,8 @@ struct Passage {
     half_width: f32,
     /// Least width (m).
     narrowest: f32,
+    /// End to which people go who come out of a cabin: a lift, a booth.
+    out_first: Option<bool>,
 }
 
 /// Point of a middle line.
@@ -209,13 +217,26 @@ impl Passages {
     /// - `below_m`: widths below which gaps are passages (m).
     /// - `stairs_m`: width below which stairs belong to the passage that they lead to (m).
     pub fn find_below(streets: &Streets, radius_m: f32, below_m: &[f32], stairs_m: f32) -> Self {
-        let mut all: Vec<Passage> = Vec::new();
-        for &below_m in below_m {
+        let (mut all, num_classes): (Vec<Passage>, _) = (Vec::new(), below_m.len());
+        for (class, &below_m) in below_m.iter().chain(&[CABIN_DOOR_M]).enumerate() {
             let gap = NarrowGap { streets, narrowest_m: 2.0 * radius_m, below_m, stairs_m: stairs_m.max(below_m) };
             let widths = |floor| [gap.narrowest_m, if is_stairs(floor) { below_m - RAGGED_M } else { below_m }];
             streets.visit_narrow_gaps(widths, |middle, across, floor| {
-                if !all.iter().any(|passage| passage.holds(middle, floor)) {
-                    all.extend(Passage::trace(&gap, LinePoint { at: middle, floor }, across));
+                let [first, second] = [across.perp(), -across.perp()].map(|out| streets.is_cabin(middle, out, CABIN_M));
+                let out_first = (first != second).then_some(first);
+                let is_used = class < num_classes || out_first.is_some();
+                if is_used && !all.iter().any(|passage| passage.holds(middle, floor)) {
+                    let walls = out_first.and_then(|_| gap.walls_beside(middle, across.perp(), CABIN_DOOR_M, floor));
+                    let found = match walls {
+                        // A cabin may be as narrow as its door: its passage is no longer than a wall is thick.
+                        Some(walls) => {
+                            let place = |out: f32| LinePoint { at: middle + across.perp() * out, floor };
+                            let line = [IN_DOOR_M, 0.0, -IN_DOOR_M].map(place).to_vec();
+                            Some(Passage::from_line(line, [walls.left_m + walls.right_m; 2]))
+                        }
+                        None => Passage::trace(&gap, LinePoint { at: middle, floor }, across),
+                    };
+                    all.extend(found.map(|passage| Passage { out_first, ..passage }));
                 }
             });
         }
@@ -267,7 +288,7 @@ impl Passage {
     /// - `widths`: least and largest width (m).
     fn from_line(line: Vec<LinePoint>, [narrowest, widest]: [f32; 2]) -> Self {
         let length = line.windows(2).map(|w| w[0].at.distance(w[1].at)).sum();
-        Self { line, length, half_width: 0.5 * widest, narrowest }
+        Self { line, length, half_width: 0.5 * widest, narrowest, out_first: None }
     }
 
     /// Mouth at an end, and the unit vector out of it.
@@ -497,7 +518,8 @@ impl PassageTurns {
     /// Takes turns, once all are counted; then counts begin anew.
     pub fn update(&mut self, passages: &Passages, now_s: f64) {
         for ((turn, count), passage) in self.turns.iter_mut().zip(&mut self.counts).zip(&passages.all) {
-            turn.update(&std::mem::take(count), self.turn_s + TURN_PER_M_S * f64::from(passage.length), now_s);
+            let turn_s = self.turn_s + TURN_PER_M_S * f64::from(passage.length);
+            turn.update(&std::mem::take(count), turn_s, passage.out_first, now_s);
         }
     }
 
@@ -531,14 +553,15 @@ impl PassageTurns {
 }
 
 impl PassageTurn {
-    fn update(&mut self, count: &PassageCount, turn_s: f64, now_s: f64) {
+    fn update(&mut self, count: &PassageCount, turn_s: f64, out_first: Option<bool>, now_s: f64) {
         let PassageCount { inside, near, gathered } = *count;
         self.gathered = gathered;
         let begin = |towards: Option<bool>| Self { towards, closes: false, since_s: now_s, gathered };
+        let comes_out = |of: usize| near[of] > 0 && out_first == Some(of == 1);
         let Some(towards) = self.towards else {
-            // The first who come have it.
+            // The first who come have it; of those who wait on both sides, who comes out of a cabin.
             if inside != [0; 2] || near != [0; 2] {
-                let key = |of: usize| (inside[of], near[of]);
+                let key = |of: usize| (inside[of], comes_out(of), near[of]);
                 *self = begin(Some(key(1) > key(0)));
             }
             return;
@@ -550,7 +573,7 @@ impl PassageTurn {
         } else if inside[own] == 0 && gathered[own] == 0 && inside[other] > 0 {
             // None of those who have it are in it or before it: those who are in it leave first.
             *self = Self { closes: near[own] > 0, ..begin(Some(!towards)) };
-        } else if near[other] > 0 && now_s - self.since_s >= turn_s {
+        } else if comes_out(other) || near[other] > 0 && now_s - self.since_s >= turn_s && !comes_out(own) {
             self.closes = true;
         }
     }

@@ -191,3 +191,56 @@ fn who_waits_before_a_closed_door_stands_at_ease_beside_the_doorway() {
         assert_eq!(arrived, 12, "seed {seed}");
     }
 }
+
+#[test]
+fn who_waits_before_a_lift_lets_people_out_first() {
+    for (seed, width) in (1..9).map(|seed| (seed, if seed % 2 == 0 { 1.0 } else { 1.6 })) {
+        let mut shares = super::Shares(seed);
+        let half = 0.5 * width;
+        let walls = vec![
+            wall([-half, 0.0], [half, 0.0]),
+            wall([-6.0, 0.0], [-half, 0.0]),
+            wall([half, 0.0], [6.0, 0.0]),
+            wall([-1.1, 0.0], [-1.1, 2.0]),
+            wall([-1.1, 2.0], [1.1, 2.0]),
+            wall([1.1, 2.0], [1.1, 0.0]),
+        ];
+        let streets = Streets::with_limits(&walls, None, 0.4, 0.25).unwrap();
+        let mut setup = CrowdSetup::in_streets(&streets, 9);
+        setup.doors.push(0);
+        let mut crowd = Crowd::on_ground(setup).unwrap();
+        crowd.set_open(0, false).unwrap();
+        let mut person = |from: Vec3, to: Vec3| {
+            let off = ground(shares.next() - 0.5, shares.next() - 0.5) * 0.2;
+            let id = crowd.spawn(Agent { radius: 0.22, ..Agent::standing_at(from + off) }).unwrap();
+            crowd.order(id, AgentOrder::to_goal(to)).unwrap();
+            id
+        };
+        let inside: Vec<Id> = (0..4)
+            .map(|i| {
+                person(ground(0.9 * (i % 2) as f32 - 0.45, 0.6 + 0.8 * (i / 2) as f32), ground(i as f32 - 1.5, -9.0))
+            })
+            .collect();
+        let outside: Vec<Id> = (0..4)
+            .map(|i| {
+                person(ground(i as f32 - 1.5, -4.0), ground(1.2 * (i % 2) as f32 - 0.6, 0.55 + 0.9 * (i / 2) as f32))
+            })
+            .collect();
+        run(&mut crowd, 15.0);
+        crowd.set_open(0, true).unwrap();
+        let [mut last_out, mut first_in] = [0.0, f64::INFINITY];
+        for _ in 0..400 {
+            run(&mut crowd, 0.1);
+            if inside.iter().any(|&id| at(&crowd, id).z > 0.0) {
+                last_out = crowd.time_s();
+            }
+            if outside.iter().any(|&id| at(&crowd, id).z > 0.0) {
+                first_in = first_in.min(crowd.time_s());
+            }
+        }
+        assert!(
+            last_out < 30.0 && last_out < first_in,
+            "seed {seed}: in at {first_in} s, the last one out at {last_out} s"
+        );
+    }
+}

@@ -143,6 +143,9 @@ const WIDEST_M: f32 = 12.0;
 const TAUT: f32 = 0.5;
 /// Length of a path that is as costly as a closed door (m).
 const CLOSED_M: f32 = 1e4;
+/// Distance of a door from the middle of its gap, and distance from there at which a cabin behind it is measured (m).
+const DOOR_NEAR_M: f32 = 0.3;
+const IN_CABIN_M: f32 = 0.7;
 /// Most corners that ways lead round: memory and time to make a graph grow with their square.
 const MOST_AROUND: usize = 4000;
 /// Heights of a floor that holds all (m).
@@ -449,6 +452,18 @@ impl Streets {
             distance += nearest.max(0.05);
         }
         distance.min(WIDEST_M)
+    }
+
+    /// True where a door leads to ground that is closed off within a distance on all other sides (m).
+    ///
+    /// - `middle`: of the door, or of any other gap.
+    /// - `away`: unit vector to that side.
+    pub(crate) fn is_cabin(&self, middle: Vec2, away: Vec2, within: f32) -> bool {
+        let has_door = self.doors_between(middle, middle, DOOR_NEAR_M).is_some_and(|doors| doors != 0);
+        let aside = [away.perp(), -away.perp()];
+        let all = [away, aside[0], aside[1], away + aside[0], away + aside[1]];
+        let is_near = |d: &Vec2| self.free_distance(middle + away * IN_CABIN_M, d.normalize_or_zero()) < within;
+        has_door && all.iter().all(is_near)
     }
 
     /// Largest memory of [`Streets::find_costs`]: points, and points that wait to be expanded.
