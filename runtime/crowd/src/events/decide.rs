@@ -415,14 +415,7 @@ impl<V: Space> Decider<'_, V> {
         let between = between_walls(&self.scenery.solids, walls, walker, steering).filter(|b| b.at_hand);
         let half = between.map(|b| if b.place < 0.0 { CorridorHalf::Left } else { CorridorHalf::Right });
         let blocked = BlockedAgent { position: walker.position, ahead: walker.desired, waited, half };
-        let step_back = || {
-            blocked.retreat_direction(self.grid, steering).or_else(|| {
-                let path = &self.scenery.paths[state.route as usize];
-                let gate = self.guide().next_gate(path, &state.cursor, walker.position, walker.radius)?;
-                gate.retreat_direction(walker.position, walker.radius, self.time, self.grid, steering)
-            })
-        };
-        let direction = if has_turn { None } else { step_back() };
+        let direction = if has_turn { None } else { blocked.retreat_direction(self.grid, steering) };
         let by_chance = || blocked.random_retreat_direction(agent, self.time, self.grid, steering);
         if let Some(direction) = direction.or_else(by_chance) {
             (walker.desired, walker.speed) = (direction, steering.retreat_speed * state.speed);

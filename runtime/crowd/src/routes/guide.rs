@@ -18,7 +18,6 @@ use crate::routes::streets::{CornerQuery, MOST_CORNERS, RouteCorner, Streets};
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::far_field::oncoming;
-use crate::steering::retreat::Gate;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// Inputs of an agent's path search.
@@ -123,22 +122,6 @@ impl<V: Space> Guide<'_, V> {
             cursor.rest = left + rest;
         }
         door
-    }
-
-    /// Next narrow place near by on the path of an agent at `x`.
-    pub fn next_gate(&self, path: &RoutePath<V>, cursor: &RouteCursor<V>, x: V, radius: f32) -> Option<Gate<V>> {
-        let (streets, costs) = self.streets.zip(path.goal_of(cursor.leg).map(|n| self.goals.costs(n)))?;
-        let (goal, _) = path.subgoal(cursor.leg);
-        let from = x.to_world().xz();
-        let mut corners = [None; MOST_CORNERS];
-        let longer = self.steering.corner_m;
-        let query = CornerQuery { from, radius, goal: goal.to_world().xz(), costs, longer, through: false };
-        let num = streets.corners_ahead(&query, &mut corners);
-        let widest = 2.0 * radius * self.steering.gate_diameters;
-        let is_gate = |c: &&RouteCorner| c.free < widest && from.distance(c.at) < self.steering.gate_near_m;
-        let corner = corners[..num].iter().flatten().find(is_gate)?;
-        let at = corner.at + corner.out * (0.5 * corner.free);
-        Some(Gate { at: V::over_ground(at), along: V::over_ground(corner.direction_from(from)) })
     }
 
     /// Cost of the agents on the last metres of the path to a place, and of those that come from there (m).

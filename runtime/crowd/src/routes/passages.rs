@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use throng_base::ground::is_one_floor;
 use throng_geometry::{Bounds2d, BoxGrid, nearest_on_segment};
 
-/// Width below which two cannot meet, in radii.
-const NARROW_RADII: f32 = 4.4;
+/// Widths below which two people, and streams of them, block each other, in radii.
+const NARROW_RADII: [f32; 2] = [4.4, 5.3];
 /// Rise of a part of a wall from which it stands beside stairs, or a ramp (m).
 const STAIRS_M: f32 = 0.3;
 /// Width of stairs that a level's walls, on the edges of voxels, may leave out (m).
@@ -209,7 +209,7 @@ struct WallsBeside {
 impl Passages {
     /// Finds the passages for people of a radius, in which two cannot meet (m).
     pub fn find(streets: &Streets, radius_m: f32) -> Self {
-        Self::find_below(streets, radius_m, &[NARROW_RADII * radius_m], 0.0)
+        Self::find_below(streets, radius_m, &NARROW_RADII.map(|radii| radii * radius_m), 0.0)
     }
 
     /// Finds the passages for people of a radius (m): those below the first width, then others below the next.

@@ -238,14 +238,6 @@ SteeringConfig {
     jam_share: f32 = 0.3, 0.0, 1.0;
     /// Duration of a turn of stepping back; then others are chosen (s, 0.1 to 100).
     jam_turn_s: f64 = 2.0, 0.1, 100.0;
-    /// Widest place, as a door, that two ways use by turns where they block each other: what is free for centres, in diameters
-    /// (0 to 10).
-    gate_diameters: f32 = 2.0, 0.0, 10.0;
-    /// Duration of a turn. Of 20 and 20 wide people that meet at a door of twice their width, the last one is through
-    /// after 139 s without turns, 101 s with 4 s, 98 s with 6 s and 93 s with 9 s (s, 0.1 to 1000).
-    gate_turn_s: f64 = 9.0, 0.1, 1000.0;
-    /// Distance from such a place within which agents take turns (m, 0 to 100).
-    gate_near_m: f32 = 3.0, 0.0, 100.0;
     /// Share of its desired speed with which an agent steps back. Half of it, or all, make no difference (0 to 1).
     retreat_speed: f32 = 0.84, 0.0, 1.0;
 

@@ -28,39 +28,6 @@ pub(crate) struct BlockedAgent<V> {
     pub half: Option<CorridorHalf>,
 }
 
-/// A narrow place that a way leads through: a door, a gap.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Gate<V> {
-    /// Centre (m).
-    pub at: V,
-    /// Unit vector along the way through it.
-    pub along: V,
-}
-
-impl<V: Space> Gate<V> {
-    /// Direction in which an agent that makes no progress steps back from it, where others want to come the other way
-    /// and it is their turn; agents inside go on. All agents at a place know the time: so one side waits as a whole,
-    /// then the other one.
-    pub fn retreat_direction(
-        &self,
-        position: V,
-        radius: f32,
-        time: f64,
-        grid: &DensityGrid<V>,
-        steering: &SteeringConfig,
-    ) -> Option<V> {
-        let (off, at) = (position - self.at, self.at * grid.per_m);
-        let against: f32 = (0..=2).map(|k| grid.square(at + self.along * k as f32).num_opposed(self.along)).sum();
-        let [x, y, z] = self.along.coordinates();
-        let main = [x, y, z].into_iter().fold(0.0, |main: f32, c| if c.abs() > main.abs() { c } else { main });
-        let is_their_turn = (main > 0.0) == ((time / steering.gate_turn_s) as u64).is_multiple_of(2);
-        let waits = is_their_turn && against >= 1.0 && off.dot(self.along) < -radius;
-        // Away from the middle, each to its side.
-        let side = if off.dot(self.along.right()) < 0.0 { -1.0 } else { 1.0 };
-        waits.then(|| backward_direction(self.along, side, steering))
-    }
-}
-
 impl<V: Space> BlockedAgent<V> {
     /// Direction in which it steps back, if more agents in front want to come than agents behind want to go on. So the few
     /// retreat before the many, in whole groups, as all of them see the same; equal groups stay and slide past to the
@@ -163,28 +130,6 @@ mod tests {
             None,
             "an empty place"
         );
-    }
-
-    #[test]
-    fn those_who_meet_at_a_gate_take_turns() {
-        let (mut grid, steering) = (DensityGrid::new(1.2, Vec2::splat(60.0), 100), SteeringConfig::DEFAULT);
-        let (at, turn_s) = (Vec2::new(0.6, 0.6), steering.gate_turn_s);
-        let gate = |along| Gate { at, along };
-        let back = |along: Vec2, far: f32, time: f64, grid: &DensityGrid<Vec2>| {
-            gate(along).retreat_direction(at - along * far, 0.3, time, grid, &steering)
-        };
-        grid.add(at - Vec2::X, Vec2::ZERO, Vec2::X);
-        for time in [0.0, turn_s] {
-            assert_eq!(back(Vec2::X, 1.0, time, &grid), None, "nobody comes");
-        }
-        grid.add(at + Vec2::X, Vec2::ZERO, Vec2::NEG_X);
-        for turn in 0..6 {
-            let time = turn_s * (f64::from(turn) + 0.5);
-            let [one, other] = [Vec2::X, Vec2::NEG_X].map(|along| back(along, 1.0, time, &grid));
-            assert_eq!([one.is_some(), other.is_some()], [turn % 2 == 0, turn % 2 == 1], "one of the two");
-            assert!(one.is_none_or(|w| w.x < -0.3) && other.is_none_or(|w| w.x > 0.3));
-            assert_eq!(back(Vec2::X, 0.0, time, &grid), None, "who is in it goes on");
-        }
     }
 
     #[test]

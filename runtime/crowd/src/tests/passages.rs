@@ -92,6 +92,14 @@ fn two_streams_take_turns_at_a_passage() {
 }
 
 #[test]
+fn two_streams_take_turns_where_two_barely_pass() {
+    for (width, length) in [(1.35, 0.2), (1.4, 2.0), (1.5, 2.0)] {
+        let (left, deepest) = left_over(&passage(width, length), 40, 180, 11);
+        assert!(left == 0 && deepest < 0.0, "{width} m wide, {length} m long: {left} of 80 are left, {deepest} m deep");
+    }
+}
+
+#[test]
 fn three_meet_three_in_a_passage() {
     for seed in 1..6 {
         let (left, deepest) = left_over(&passage(1.0, 6.0), 3, 60, seed);
