@@ -167,12 +167,12 @@ impl<V: Space> Decider<'_, V> {
         let mut state = self.states[agent as usize];
         self.update(&mut state, &old, position, velocity);
         let mut walker = self.walker(&state, &old, position, velocity);
-        if self.is_kept_from_goal(agent, &state, &walker) {
+        if self.is_kept_from_goal(agent, &state, &walker, &mut scratch.room) {
             // Who stands nearer to the goal keeps it from going on: it has come as near as it can.
             (walker.speed, state.is_there, state.is_stuck) = (0.0, true, false);
         }
         state.intent = if state.is_there { V::default() } else { walker.desired };
-        state.waits = self.take_turns(agent, &mut state, &mut walker);
+        state.waits = self.take_turns(agent, &mut state, &mut walker, &mut scratch.room);
         let is_together = self.keep_company(agent, &state, &mut walker);
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
@@ -292,15 +292,22 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// True where an agent stays behind others who stand at its goal.
-    fn is_kept_from_goal(&self, agent: u32, state: &AgentState<V>, walker: &SteeredAgent<V>) -> bool {
+    fn is_kept_from_goal(
+        &self,
+        agent: u32,
+        state: &AgentState<V>,
+        walker: &SteeredAgent<V>,
+        room: &mut Vec<u32>,
+    ) -> bool {
         let path = &self.scenery.paths[state.route as usize];
-        let was_there = state.is_there || self.states[agent as usize].is_there;
+        let was_there = self.states[agent as usize].is_there;
         let waits = was_there || self.time - state.progressed_at > SETTLES_S;
-        if !waits || state.speed == 0.0 || state.cursor.rest > 0.0 || path.route.at_end != AtEnd::Stay {
+        if state.is_there || !waits || state.speed == 0.0 || state.cursor.rest > 0.0 || path.route.at_end != AtEnd::Stay
+        {
             return false;
         }
         let within_m = SETTLES_WITHIN_M[usize::from(was_there)];
-        self.is_behind_one(agent, walker, path.goal(), within_m, |its| {
+        self.is_behind_one(agent, walker, path.goal(), within_m, room, |its| {
             let its_goal = self.scenery.paths[its.route as usize].goal();
             its.is_there && (its_goal - path.goal()).length_squared() < SAME_GOAL_M * SAME_GOAL_M
         })
@@ -313,18 +320,19 @@ impl<V: Space> Decider<'_, V> {
         walker: &SteeredAgent<V>,
         goal: V,
         within_m: f32,
+        room: &mut Vec<u32>,
         is_one: impl Fn(&AgentState<V>) -> bool,
     ) -> bool {
-        let (at, mut is_behind) = (walker.position, false);
-        self.cells.for_each_cell_around(self.cells.coordinates(at), |cell| {
-            self.cells.for_each_in_cell(cell, |plan| {
+        let at = walker.position;
+        let mut others = self.cells.agents_around(self.cells.coordinates(at), room).iter();
+        others.any(|&other| {
+            other != agent && is_one(&self.states[other as usize]) && {
+                let plan = self.cells.plan(other);
                 let place = plan.motion_at(self.time).0;
                 let is_before = (place - goal).length_squared() < (at - goal).length_squared();
-                let touches = (place - at).length() < walker.radius + plan.radius + within_m;
-                is_behind |= plan.index != agent && is_before && touches && is_one(&self.states[plan.index as usize]);
-            });
-        });
-        is_behind
+                is_before && (place - at).length() < walker.radius + plan.radius + within_m
+            }
+        })
     }
 
     /// Steering state of an agent: its position, goal and desired speed.
@@ -354,14 +362,20 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// Lets an agent wait before a passage that is granted to others, or give way where it is blocked; true where it waits.
-    fn take_turns(&self, agent: u32, state: &mut AgentState<V>, walker: &mut SteeredAgent<V>) -> bool {
+    fn take_turns(
+        &self,
+        agent: u32,
+        state: &mut AgentState<V>,
+        walker: &mut SteeredAgent<V>,
+        room: &mut Vec<u32>,
+    ) -> bool {
         let at = walker.position.on_ground();
         let door = self.scenery.streets.as_ref().and_then(|s| Some((s, s.closed_door(state.door)?)));
         if let Some((streets, door)) = door.filter(|(_, door)| !state.is_there && door.distance(at) < BEFORE_DOOR_M) {
             let advice =
                 door.advise(agent as usize, at, walker.radius, |to| streets.sees_place(at, to, walker.radius, false));
             let is_behind = advice == PassageAdvice::Queue
-                && self.is_behind_one(agent, walker, V::over_ground(door.middle()), BEHIND_M, |its| {
+                && self.is_behind_one(agent, walker, V::over_ground(door.middle()), BEHIND_M, room, |its| {
                     its.waits && its.door == state.door
                 });
             self.take_advice(if is_behind { PassageAdvice::Stand } else { advice }, state, walker);
