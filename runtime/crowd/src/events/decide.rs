@@ -4,7 +4,7 @@ use super::safety::PlanAim;
 use crate::events::schemes::{FirstContact, SchemeRef};
 use crate::routes::guide::Guide;
 use crate::routes::passages::{PassageAdvice, PassageTurns};
-use crate::routes::path::RouteCursor;
+use crate::routes::path::{OPEN_M, RouteCursor};
 use crate::safety::bound::Bound;
 use crate::safety::nearby_plans::NearbyPlans;
 use crate::scenery::CrowdScenery;
@@ -44,6 +44,11 @@ const STRONGEST_MPS2: f32 = 5.0;
 pub(crate) const BEFORE_DOOR_M: f32 = 8.0;
 /// Room behind another one who waits for it (m).
 const BEHIND_M: f32 = 0.5;
+/// Difference between velocity and desired velocity from which plans are short, as a share of the latter.
+const TURNS_FROM: f32 = 0.5;
+/// Share of the acceleration with which a speed is chosen to turn to a point, and the least such speed (m/s).
+const TURNING_SHARE: f32 = 0.25;
+const CREEPS_MPS: f32 = 0.3;
 /// Longest plan of an agent that waits before a passage (s).
 const WAITING_S: f32 = 0.5;
 
@@ -205,6 +210,13 @@ impl<V: Space> Decider<'_, V> {
         let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
         let longest = if state.waits { longest.min(WAITING_S) } else { longest };
+        // A long plan takes little of the acceleration: who turns or sets off acts again soon.
+        let error = (walker.desired * walker.speed - velocity).length();
+        let longest = if error > TURNS_FROM * walker.speed.max(0.6 * state.speed).max(slow) {
+            longest.min(soon)
+        } else {
+            longest
+        };
         DesiredMotion { state, fresh, forces, region, meeting, longest }
     }
 
@@ -347,6 +359,18 @@ impl<V: Space> Decider<'_, V> {
             // At its goal the agent yields to others that pass.
             speed *= (distance / path.route.arrival_radius).min(1.0);
         }
+        // Who has to turn to a near point goes so slowly that it does not circle round the point.
+        let (along, fast) = (velocity.dot(desired), velocity.length());
+        let across = if along < 0.0 { 1.0 } else { (velocity - desired * along).length() / fast.max(1e-3) };
+        let turning = TURNING_SHARE * plan.limit.min(STRONGEST_MPS2);
+        let (leg, num_legs) = (state.cursor.leg, path.num_legs() as u32);
+        if leg + 1 < num_legs && (path.subgoal(leg).0 - state.cursor.aim).length() < 2.0 * OPEN_M {
+            // It brakes before a point at which it turns.
+            let after = (path.subgoal(leg + 1).0 - state.cursor.aim).unit_and_length().0;
+            let at_point = 2.0 * turning * OPEN_M / (1.0 - desired.dot(after)).max(0.05);
+            speed = speed.min((at_point + plan.limit * (distance - OPEN_M).max(0.0)).sqrt());
+        }
+        speed = speed.min((turning * distance / across.max(0.05)).sqrt().max(CREEPS_MPS));
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
         SteeredAgent {
             position,

@@ -10,7 +10,7 @@ use throng_geometry::distance_to_segment;
 /// Largest extent of a line across the path to either side (m).
 const WIDEST_M: f32 = 20.0;
 /// Distance to the side at which subgoals in the open are passed: between walls, all that is free there (m).
-const OPEN_M: f32 = 1.5;
+pub(crate) const OPEN_M: f32 = 1.5;
 /// Distance before the line at a subgoal from which on it counts as passed (m).
 const ON_LINE_M: f32 = 0.02;
 /// Most subgoals between an agent and its goal if it is to go there straight.

@@ -240,3 +240,33 @@ fn who_cannot_get_nearer_to_a_common_goal_stands_around_it() {
         assert!(moved < 0.05, "seed {seed}: one of {num} moves by {moved} m");
     }
 }
+
+#[test]
+fn runners_pass_their_points_and_stop_at_their_goal_whatever_they_weigh() {
+    let corners = [[40.0, 0.0], [52.0, 12.0], [40.0, 24.0], [-10.0, 24.0], [-22.0, 12.0], [-10.0, 0.0], [-3.0, 0.0]];
+    let mut faults = Vec::new();
+    // Faster ones need more room than there is between these points.
+    let pairs = [2.0, 3.0, 3.5, 4.0, 4.5, 5.0].into_iter().flat_map(|v| [3.0, 4.0, 5.0, 8.0].map(|a| (v, a)));
+    for (speed, acceleration) in pairs {
+        let runner = Agent { speed, acceleration, ..Agent::standing_at(Vec3::ZERO) };
+        let mut setup = CrowdSetup { agents: vec![runner], ..CrowdSetup::default() };
+        setup.config.largest_speed_mps = speed;
+        let mut crowd = Crowd::on_ground(setup).unwrap();
+        let id = crowd.ids().next().unwrap();
+        let points = corners.map(|[x, z]| Vec3::new(x, 0.0, z)).to_vec();
+        crowd.order(id, AgentOrder::along_subgoals(points).with_arrival(1.0)).unwrap();
+        let (mut way_m, mut before) = (0.0, Vec3::ZERO);
+        while crowd.time_s() < 240.0 && crowd.status(id).unwrap() != AgentStatus::Arrived {
+            crowd.advance(crowd.time_s() + 0.1, &mut |_| {}).unwrap();
+            let at = crowd.position(id, crowd.time_s()).unwrap();
+            (way_m, before) = (way_m + at.distance(before), at);
+        }
+        let took_s = crowd.time_s();
+        crowd.advance(took_s + 5.0, &mut |_| {}).unwrap();
+        let stands = crowd.velocity(id, crowd.time_s()).unwrap().length() < 0.1;
+        if way_m > 215.0 || took_s > 240.0 || !stands {
+            faults.push(format!("{speed} m/s, {acceleration} m/s2: {way_m:.1} m in {took_s:.1} s, stands: {stands}"));
+        }
+    }
+    assert!(faults.is_empty(), "174 m along the points: {faults:#?}");
+}

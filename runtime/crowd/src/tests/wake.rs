@@ -135,7 +135,7 @@ fn an_agent_in_the_open_acts_as_soon_as_it_may() {
 #[test]
 fn who_cannot_have_been_woken_is_refused() {
     let mut crowd = Engine::new(packed::<Vec2>(100)).unwrap();
-    crowd.advance(1.0, &mut |_| {}).unwrap();
+    crowd.advance(3.0, &mut |_| {}).unwrap();
     let mut num = [0; 2];
     for id in crowd.ids() {
         let mut forged = crowd.clone();
