@@ -114,8 +114,7 @@ impl PendingChoices {
             return;
         }
         let (order, end) = (&tick.orders[first + character], motion_set.graph.segments[b.segment[lane] as usize].end);
-        let is_held = b.pace[lane] == pace::HELD_STILL && order.is_to_stand();
-        if is_held && motion_set.manners.wanted(order.manner, end).is_none() {
+        if b.pace[lane] == pace::HELD_STILL && order.is_to_stand() {
             return;
         }
         let (num_goals, goals) = active_goals(order, motion_set);
@@ -203,14 +202,19 @@ impl PendingChoices {
             if order.manner == MannerName::NONE {
                 continue;
             }
+            // Who stands, or is to stand, does so in any manner.
+            let chooser = self.standing_chooser(i, blocks, tick);
+            let stays = chooser.stays(self.actions[i]);
+            if order.is_to_stand() && !stays {
+                continue;
+            }
             let chosen = motion_set.graph.segments_of(self.states[i])[usize::from(self.actions[i])];
-            // Who stands may turn in any manner.
-            let end = if num_goals == 0 { self.states[i] } else { motion_set.graph.segments[chosen as usize].end };
+            let end = motion_set.graph.segments[chosen as usize].end;
             let Some(manner) = motion_set.manners.wanted(order.manner, end) else { continue };
             let aims = |g: usize| (&motion_set.policies[policies[g]], self.weights[g][i], self.targets[g][i]);
             let worth = |segment| (0..num_goals).map(|g| worth_after(segment, aims(g))).sum();
             let ranked = motion_set.manners.ranked_actions(&motion_set.graph, self.states[i], manner, worth);
-            if ranked[0] != NO_ACTION {
+            if ranked[0] != NO_ACTION && (!stays || chooser.stays(ranked[0])) {
                 (self.actions[i], self.bends[i]) = (ranked[0], 0.0);
             }
         }

@@ -223,6 +223,12 @@ impl StandingChooser<'_> {
         self.config.first_number.wrapping_add(self.b.name[self.lane])
     }
 
+    /// True of an action with which one that idles goes on to do so.
+    pub fn stays(&self, action: u8) -> bool {
+        let next = self.segment(self.motion_set.graph.segments_of(self.state)[usize::from(action)]);
+        self.idles() && next.idle >= next.num_frames
+    }
+
     /// An idle action, or one on the way to a longer stand; `None` where any is far.
     fn rest_action(&self) -> Option<u8> {
         let action = self.motion_set.paths_to_stand.to_idle[self.state as usize];

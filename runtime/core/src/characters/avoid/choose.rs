@@ -177,23 +177,30 @@ impl ChoosingCharacter<'_> {
     fn clear_plan(&self, avoiding: &mut PathAvoidance, b: &MotionBlock) -> Option<(SegmentPlan, bool)> {
         let motion_set = self.step.motion_set;
         let segments = motion_set.graph.segments_of(self.state);
-        // Who stands may turn in any manner.
-        let has_own = self.order().manner != MannerName::NONE && !self.goals.is_empty();
-        let first = has_own.then(|| self.ranked_actions(b, 0.0)[0]).and_then(|first| segments.get(usize::from(first)));
-        let end = first.map_or(self.state, |&s| motion_set.graph.segments[s as usize].end);
-        if let Some(manner) = motion_set.manners.wanted(self.order().manner, end) {
+        let (order, chooser) = (self.order(), self.standing_chooser(b));
+        let first = match self.goals {
+            _ if order.manner == MannerName::NONE => NO_ACTION,
+            [] => chooser.choose_stand(order).0,
+            _ => self.ranked_actions(b, 0.0)[0],
+        };
+        // Who stands, or is to stand, does so in any manner.
+        let stays = first != NO_ACTION && chooser.stays(first);
+        let end = segments.get(usize::from(first)).map_or(self.state, |&s| motion_set.graph.segments[s as usize].end);
+        if let Some(manner) = motion_set.manners.wanted(order.manner, end).filter(|_| stays || !order.is_to_stand()) {
             let aims =
                 |goal: &OwnGoal| (&motion_set.policies[goal.policy], goal.weight, self.target_seen_turned(goal, 0.0));
             let worth = |segment| self.goals.iter().map(|g| control::worth_after(segment, aims(g))).sum();
             let ranked = motion_set.manners.ranked_actions(&motion_set.graph, self.state, manner, worth);
-            let known = ranked.into_iter().filter(|&action| action != NO_ACTION);
+            let num_tried = if stays { 1 } else { MAX_RANKED };
+            let known = ranked.into_iter().take(num_tried);
+            let known = known.filter(|&action| action != NO_ACTION && (!stays || chooser.stays(action)));
             let mut plans = known.map(|action| self.segment_plan(segments[usize::from(action)], 0.0));
             if let Some(plan) = plans.find(|&plan| self.is_clear(plan, avoiding)) {
                 return Some((plan, true));
             }
         }
-        if self.order().is_to_stand() {
-            let (action, bend) = self.standing_chooser(b).choose_stand(self.order());
+        if order.is_to_stand() {
+            let (action, bend) = chooser.choose_stand(order);
             let segment = segments[usize::from(action)];
             let stop = path::stop_of(self.state, motion_set);
             if segment == stop.segment && motion_set.graph.segments[segment as usize].idle == 0 {

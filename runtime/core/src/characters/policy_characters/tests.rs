@@ -3,6 +3,7 @@ use crate::characters::ActionChoice;
 use crate::characters::made_up::tables;
 use crate::characters::manner::Manners;
 use crate::characters::tests::TwoThreads;
+use crate::stops::{SLOW_DOWN, StopRecord, WALK_ON};
 use throng_base::Inline;
 
 const DT: f32 = 1.0 / 40.0;
@@ -318,9 +319,8 @@ fn a_manner_that_is_ordered_is_entered_and_kept_until_another_one_is() {
         step(&mut group, 30);
         assert!(!are_all(&group, "calm") && !are_all(&group, "sad"), "each goes on as it began");
         for (k, name) in ["sad", "calm", "sad"].into_iter().enumerate() {
-            let orders =
-                [PolicyOrder::towards(0, target(k)), PolicyOrder::IDLE, PolicyOrder::STOP, PolicyOrder::turn_to(2.0)];
-            for (id, order) in ids.iter().zip(orders) {
+            let orders = [PolicyOrder::towards(0, target(k)), PolicyOrder::IDLE];
+            for (id, order) in ids.iter().zip(orders.into_iter().cycle()) {
                 group.order(*id, order.in_manner(name)).unwrap();
             }
             let begun = (0..80).position(|_| {
@@ -363,4 +363,40 @@ fn who_has_not_begun_stands_in_its_manner_from_the_start() {
     assert_eq!(ids.iter().map(|id| group.characters.root(group.row(*id).unwrap())).collect::<Vec<_>>(), roots);
     group.step(0.0, &Inline).unwrap();
     assert_eq!(group.bodies().roots, roots);
+}
+
+/// Characters that walk calmly, and can stand in sad motion only.
+fn calm_walkers(config: CharactersConfig) -> (PolicyCharacters, Vec<Id>) {
+    let (mut group, ids) = moody_group(config);
+    let stop = |(segment, kind)| StopRecord { segment, kind, frames: 60, radius: 0.3, pose_radius: 0.3 };
+    group.motion_set.stops.stops =
+        [(3, WALK_ON), (2, WALK_ON), (3, SLOW_DOWN), (2, SLOW_DOWN)].map(stop).to_vec().into();
+    for (i, id) in ids.iter().enumerate() {
+        let order = PolicyOrder::towards(0, Vec3::new(20.0 * i as f32, 0.0, 90.0));
+        group.order(*id, order.in_manner("calm")).unwrap();
+    }
+    step(&mut group, 240);
+    assert!(ids.iter().all(|id| group.manner(*id).unwrap() == "calm"));
+    (group, ids)
+}
+
+#[test]
+fn who_is_ordered_to_stand_stands_in_whatever_manner_that_takes() {
+    let avoids = CharactersConfig { avoid: Some(crate::characters::AvoidConfig::default()), ..config() };
+    for config in [config(), avoids] {
+        for order in [PolicyOrder::STOP, PolicyOrder::turn_to(0.0)] {
+            let (mut group, ids) = calm_walkers(config);
+            ids.iter().for_each(|id| group.order(*id, order).unwrap());
+            step(&mut group, 200);
+            let stood = group.bodies().roots.to_vec();
+            step(&mut group, 120);
+            assert_eq!(group.bodies().roots, stood, "they stand");
+            // A manner in which nobody stands moves nobody who does.
+            ids.iter().for_each(|id| group.set_manner(*id, "sad").unwrap());
+            step(&mut group, 60);
+            ids.iter().for_each(|id| group.set_manner(*id, "calm").unwrap());
+            step(&mut group, 240);
+            assert_eq!(group.bodies().roots, stood, "they stand on");
+        }
+    }
 }
