@@ -56,6 +56,7 @@ pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptR
     group.arrivals = arrivals;
     group.characters = characters;
     group.orders.clone_from(&orders);
+    group.obeyed.clone_from(&orders);
     Ok(out)
 }
 

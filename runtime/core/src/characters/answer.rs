@@ -13,7 +13,7 @@ use super::order::{PolicyOrder, StandOrder};
 use super::scheduled_clip::to_root;
 use super::transition::{SegmentChange, StartTransitionsJob};
 use super::{Characters, PolicyCharacters, control, pace};
-use crate::body::set_lane;
+use crate::body::{BodyLayers, set_lane};
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::{LookAheadGoal, LookAheadJob, NO_ACTION, RankedActions};
 use crate::skeleton::Joint;
@@ -249,11 +249,23 @@ impl PolicyCharacters {
     pub(super) fn give_order(&mut self, at: usize, mut order: PolicyOrder) {
         order.follow(&self.orders[at]);
         let old = std::mem::replace(&mut self.orders[at], order);
+        // Of several orders between two steps the last one counts.
+        if old.age_s > 0.0 {
+            self.obeyed[at] = old.with_layers(BodyLayers::NONE);
+        }
         if old.manner != order.manner {
             self.characters.enter_manner(&self.motion_set, &self.arrivals, at, order.manner);
         }
-        if asks_anew(&old, &order, self.characters.root(at)) {
-            self.characters.answer_order(&self.motion_set, at, &order);
+    }
+
+    /// Answers the orders that were given since the last step.
+    pub(super) fn answer_orders(&mut self) {
+        let given = self.orders.iter().zip(&mut self.obeyed).enumerate().filter(|(_, (order, _))| order.age_s == 0.0);
+        for (at, (order, obeyed)) in given {
+            if asks_anew(obeyed, order, self.characters.root(at)) {
+                self.characters.answer_order(&self.motion_set, at, order);
+            }
+            *obeyed = order.with_layers(BodyLayers::NONE);
         }
     }
 }
@@ -359,6 +371,7 @@ mod tests {
                 let (before, played, root) =
                     (group.characters.joint_positions(0), group.characters.segment(0), group.characters.root(0));
                 group.order(id, PolicyOrder::STOP).unwrap();
+                group.answer_orders();
                 let now = group.characters.segment(0);
                 if now == played {
                     continue;

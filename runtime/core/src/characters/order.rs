@@ -80,7 +80,7 @@ pub struct PolicyOrder {
     /// Velocity of the target (m/s).
     velocity: Vec3,
     /// Time since it was ordered (s).
-    age_s: f32,
+    pub(super) age_s: f32,
     pub(super) layers: BodyLayers,
     /// Counts where there are no behaviours.
     pub(super) stands: StandOrder,

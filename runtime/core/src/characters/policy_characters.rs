@@ -74,6 +74,8 @@ pub struct PolicyCharacters {
     /// Ids of present characters, in the order of bodies.
     roster: Roster,
     pub(super) orders: Vec<PolicyOrder>,
+    /// Order that each obeyed in the last step (number of characters).
+    pub(super) obeyed: Vec<PolicyOrder>,
     roots: Vec<Planar>,
     events: BodyEvents,
     /// See [`PolicyCharacters::hold_entrants`].
@@ -95,6 +97,7 @@ impl PolicyCharacters {
             motion_set,
             roster: Roster::with_capacity(capacity),
             orders: Vec::with_capacity(capacity),
+            obeyed: Vec::with_capacity(capacity),
             roots: Vec::with_capacity(capacity),
             events: BodyEvents::with_capacity(capacity, characters.blows.max_blows()),
             gathers: false,
@@ -342,7 +345,7 @@ impl PolicyCharacters {
         // What is only written or measured besides changes no motion.
         let outputs = CharactersConfig { local_transforms: false, instances: false, ..self.characters.config };
         setup.add_bytes(format!("{outputs:?}").as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 10, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 11, setup: setup.finish() }
     }
 }
 
@@ -382,6 +385,7 @@ impl CharacterGroup for PolicyCharacters {
         }
         self.roster.add_id()?;
         self.orders.push(PolicyOrder::IDLE);
+        self.obeyed.push(PolicyOrder::IDLE);
         self.roots.push(start.root);
         Ok(id)
     }
@@ -391,6 +395,7 @@ impl CharacterGroup for PolicyCharacters {
         let (at, _) = self.roster.remove_id(id)?;
         self.characters.remove_character(at);
         self.orders.swap_remove(at);
+        self.obeyed.swap_remove(at);
         self.roots.swap_remove(at);
         Ok(())
     }
@@ -421,6 +426,7 @@ impl CharacterGroup for PolicyCharacters {
 
     fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
         STEP_S.check("dt_s", None, dt_s)?;
+        self.answer_orders();
         self.note_before(dt_s * self.motion_set.rate_hz);
         self.characters.run(&self.motion_set, dt_s, &self.orders, run);
         self.orders.iter_mut().for_each(|order| order.age(dt_s));
@@ -458,16 +464,18 @@ impl CharacterGroup for PolicyCharacters {
 
     fn save(&self, out: &mut Vec<u8>) {
         let (blocks, bodies) = self.characters.saved_blocks();
-        self.snapshot_kind().write(&(blocks, bodies, &self.characters.touches, &self.roster, &self.orders), out);
+        let orders = (&self.orders, &self.obeyed);
+        self.snapshot_kind().write(&(blocks, bodies, &self.characters.touches, &self.roster, orders), out);
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
-        type Saved = (Vec<MotionBlock>, Vec<BodyBlock>, Vec<LimbTouch>, Roster, Vec<PolicyOrder>);
-        let (blocks, bodies, touches, roster, orders): Saved = kind.read_all(bytes)?;
+        type Saved = (Vec<MotionBlock>, Vec<BodyBlock>, Vec<LimbTouch>, Roster, [Vec<PolicyOrder>; 2]);
+        let (blocks, bodies, touches, roster, [orders, obeyed]): Saved = kind.read_all(bytes)?;
         let refuse = |why: String| Err(Error::Snapshot { what: kind.what, why });
         let n = roster.ids().len();
-        let are_rows = (orders.len(), blocks.len(), bodies.len()) == (n, n.div_ceil(LANES), n.div_ceil(LANES));
+        let lens = (orders.len(), obeyed.len(), blocks.len(), bodies.len());
+        let are_rows = lens == (n, n, n.div_ceil(LANES), n.div_ceil(LANES));
         if !are_rows || !self.characters.is_touch_sound(&touches, n) {
             return refuse(format!("it is damaged: its rows are not those of {n} characters; take a new one"));
         }
@@ -478,8 +486,8 @@ impl CharacterGroup for PolicyCharacters {
             ));
         }
         for (at, (id, order)) in roster.ids().iter().zip(&orders).enumerate() {
-            if let Err(e) = order.check(Some(*id), &self.motion_set) {
-                return refuse(e.to_string());
+            for order in [order, &obeyed[at]] {
+                order.check(Some(*id), &self.motion_set).or_else(|e| refuse(e.to_string()))?;
             }
             // Scheduled clips are for characters that a caller moves.
             let is_scheduled = blocks[at / LANES].segment[at % LANES] == SCHEDULED;
@@ -497,6 +505,7 @@ impl CharacterGroup for PolicyCharacters {
         self.characters.pose_again(&self.motion_set);
         // The vector keeps its capacity.
         self.orders.clone_from(&orders);
+        self.obeyed.clone_from(&obeyed);
         self.roots.clear();
         self.roots.extend((0..n).map(|at| self.characters.root(at)));
         self.events.clear(0.0);

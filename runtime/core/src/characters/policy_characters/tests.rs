@@ -400,3 +400,25 @@ fn who_is_ordered_to_stand_stands_in_whatever_manner_that_takes() {
         }
     }
 }
+
+#[test]
+fn the_last_order_of_a_step_is_the_one_that_is_obeyed() {
+    let (mut once, ids) = calm_walkers(config());
+    let (mut often, mut kept) = (once.clone(), Vec::new());
+    ids.iter().for_each(|id| once.order(*id, PolicyOrder::STOP).unwrap());
+    for step_number in 0..200 {
+        for (i, id) in ids.iter().enumerate() {
+            // Two orders of one step, between which a snapshot is taken at times.
+            often.order(*id, PolicyOrder::towards(0, Vec3::new(20.0 * i as f32, 0.0, -90.0))).unwrap();
+            if step_number % 20 == 3 {
+                kept.clear();
+                often.save(&mut kept);
+                often.load(&kept).unwrap();
+            }
+            often.order(*id, PolicyOrder::STOP).unwrap();
+        }
+        step(&mut once, 1);
+        step(&mut often, 1);
+        assert_eq!(once.bodies().roots, often.bodies().roots, "step {step_number}");
+    }
+}
