@@ -650,12 +650,12 @@ enum ThrongStatus throng_characters_set_layers(struct ThrongSimulation simulatio
                                                const struct ThrongLayers *layers);
 
 /**
- * Orders a character to stop as soon as its motion allows, and to stand at ease.
+ * Orders a character to stop as soon as its motion allows, and to stand at ease; its layers stay.
  */
 enum ThrongStatus throng_characters_stop(struct ThrongSimulation simulation, struct ThrongId id);
 
 /**
- * Orders a character to stop, and to turn on the spot.
+ * Orders a character to stop, and to turn on the spot; its layers stay.
  *
  * @param heading heading about +Y from +Z (rad).
  */

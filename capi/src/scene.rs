@@ -202,11 +202,7 @@ pub extern "C" fn throng_characters_order(
     z: f32,
 ) -> ThrongStatus {
     let order = PolicyOrder::towards(policy as usize, glam::Vec3::new(x, y, z));
-    simulation.call(|stage| {
-        let (people, id) = (stage.characters_mut()?, id.into());
-        let layers = people.order_of(id)?.layers();
-        Ok(people.order(id, order.with_layers(layers))?)
-    })
+    simulation.call(|stage| Ok(stage.characters_mut()?.order_motion(id.into(), order)?))
 }
 
 /// What a body does beside its motion.
@@ -265,18 +261,18 @@ pub unsafe extern "C" fn throng_characters_set_layers(
     })
 }
 
-/// Orders a character to stop as soon as its motion allows, and to stand at ease.
+/// Orders a character to stop as soon as its motion allows, and to stand at ease; its layers stay.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_characters_stop(simulation: ThrongSimulation, id: ThrongId) -> ThrongStatus {
-    simulation.call(|stage| Ok(stage.characters_mut()?.order(id.into(), PolicyOrder::STOP)?))
+    simulation.call(|stage| Ok(stage.characters_mut()?.order_motion(id.into(), PolicyOrder::STOP)?))
 }
 
-/// Orders a character to stop, and to turn on the spot.
+/// Orders a character to stop, and to turn on the spot; its layers stay.
 ///
 /// @param heading heading about +Y from +Z (rad).
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_characters_turn_to(simulation: ThrongSimulation, id: ThrongId, heading: f32) -> ThrongStatus {
-    simulation.call(|stage| Ok(stage.characters_mut()?.order(id.into(), PolicyOrder::turn_to(heading))?))
+    simulation.call(|stage| Ok(stage.characters_mut()?.order_motion(id.into(), PolicyOrder::turn_to(heading))?))
 }
 
 /// Orders a character a manner of motion, which stays until another one is ordered; its other order goes on. The error message

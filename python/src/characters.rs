@@ -66,9 +66,8 @@ impl PyCharacters {
         }
         // Who was told to stop goes, too; layers stay.
         for (id, target) in self.ids.iter().zip(targets) {
-            let layers = self.characters.order_of(*id).map_err(error::runtime_error)?.layers();
-            let order = PolicyOrder::towards(self.policy, target).with_layers(layers);
-            self.characters.order(*id, order).map_err(error::runtime_error)?;
+            let order = PolicyOrder::towards(self.policy, target);
+            self.characters.order_motion(*id, order).map_err(error::runtime_error)?;
         }
         Ok(())
     }
@@ -76,13 +75,13 @@ impl PyCharacters {
     /// Tells a character to stop as soon as its motion allows, and to stand at ease until it gets another target.
     fn stop(&mut self, who: usize) -> PyResult<()> {
         let id = self.id(who)?;
-        self.characters.order(id, PolicyOrder::STOP).map_err(error::runtime_error)
+        self.characters.order_motion(id, PolicyOrder::STOP).map_err(error::runtime_error)
     }
 
     /// Tells a character to stop, and to turn on the spot (radians).
     fn turn_to(&mut self, who: usize, heading: f32) -> PyResult<()> {
         let id = self.id(who)?;
-        self.characters.order(id, PolicyOrder::turn_to(heading)).map_err(error::runtime_error)
+        self.characters.order_motion(id, PolicyOrder::turn_to(heading)).map_err(error::runtime_error)
     }
 
     /// Orders a character a manner of motion, such as "sad", which stays until another one is ordered; "normal" is that which nothing

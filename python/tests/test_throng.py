@@ -227,6 +227,13 @@ def test_characters_wave_walk_and_report_their_steps(bundle):
         np.testing.assert_array_equal(people.poses[:, [0, *range(14, 22)]], plain.poses[:, [0, *range(14, 22)]])
         np.testing.assert_array_equal(people.poses[2], plain.poses[2])
     assert people.poses[0, 13, 1, 3] > plain.poses[0, 13, 1, 3] + 0.3, "its hand is up"
+    for group in (people, plain):
+        group.stop(0)
+        group.turn_to(1, 0.5)
+        for _ in range(90):
+            group.step()
+    assert people.poses[0, 13, 1, 3] > plain.poses[0, 13, 1, 3] + 0.3, "its hand stays up"
+    assert np.abs(people.poses[1, 6:14, :, 3] - plain.poses[1, 6:14, :, 3]).max() > 0.2, "it telephones on"
     assert {event["who"] for event in steps} == {0, 1, 2} and {event["number"] for event in steps} == {16, 20}
     with pytest.raises(throng.InputError, match="dance"):
         people.set_layers(0, arms=["dance", None])

@@ -140,6 +140,14 @@ impl PolicyCharacters {
         Ok(())
     }
 
+    /// Replaces the order of a character but for its layers.
+    ///
+    /// # Errors
+    /// As [`CharacterGroup::order`].
+    pub fn order_motion(&mut self, id: Id, order: PolicyOrder) -> Result<()> {
+        self.order(id, order.with_layers(self.order_of(id)?.layers()))
+    }
+
     /// Orders a character a manner of motion, see [`PolicyOrder::in_manner`]; the rest of its order stays.
     ///
     /// # Errors

@@ -293,6 +293,13 @@ fn who_has_had_layers_moves_as_who_has_had_none() {
     step(&mut plain, 60);
     let moved = (0..20).filter(|&i| seen(&group, Id::first(i)).1 != seen(&plain, Id::first(i)).1).count();
     assert!(moved >= 18, "{moved} show their layers");
+    // Orders of motion leave them.
+    let own = group.order_of(Id::first(1)).unwrap().layers();
+    for order in [PolicyOrder::STOP, PolicyOrder::turn_to(1.0), PolicyOrder::towards(0, target(1))] {
+        let mut other = group.clone();
+        other.order_motion(Id::first(1), order).unwrap();
+        assert_eq!(other.order_of(Id::first(1)).unwrap(), &order.with_layers(own));
+    }
     (0..20).for_each(|i| group.set_layers(Id::first(i), BodyLayers::NONE).unwrap());
     step(&mut group, 100);
     step(&mut plain, 100);
