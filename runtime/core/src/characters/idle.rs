@@ -47,8 +47,9 @@ pub(super) const ERROR_FRAMES: f32 = 60.0;
 /// Cost of each frame that a stand lasts less than a long one (frames).
 const SHORT: f32 = 1.0;
 
-/// Error of the heading up to which a character has turned (rad).
+/// Error of the heading up to which a character turns no more, and up to which it faces where it is to (rad).
 pub(super) const FACING: f32 = 0.15;
+pub(super) const FACED: f32 = 0.26;
 /// Cost of the time, the distance and the error of a turn (rad/s, rad/m, rad).
 const TURN_COSTS: [f32; 3] = [0.1, 0.4, 0.3];
 /// Turns to which paths are known, and error of the heading up to which a turn is taken for one of them (rad).

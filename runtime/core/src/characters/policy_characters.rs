@@ -1,7 +1,7 @@
 //! Characters as a character group: they come and go, each with an id and an order of its own.
 
 use super::block::{BodyBlock, MotionBlock, SCHEDULED};
-use super::idle::FACING;
+use super::idle::FACED;
 use super::motion_set::MotionSet;
 use super::order::PolicyOrder;
 use super::snapshot::is_sound;
@@ -448,7 +448,7 @@ impl CharacterGroup for PolicyCharacters {
         let at = self.roster.row(id)?;
         let order = &self.orders[at];
         if order.is_to_stand() {
-            let turns = order.turn_left(self.roots[at].heading).abs() > FACING;
+            let turns = order.turn_left(self.roots[at].heading).abs() > FACED;
             let stands = self.characters.is_at_rest(&self.motion_set, at) && !turns;
             return Ok(if stands { OrderStatus::Arrived } else { OrderStatus::Going { left_m: 0.0 } });
         }

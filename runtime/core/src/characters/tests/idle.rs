@@ -100,3 +100,16 @@ fn a_heading_that_is_none_is_refused() {
     assert!(e.contains("heading"), "{e}");
     group.order(ids[0], PolicyOrder::turn_to(2.0)).unwrap();
 }
+
+#[test]
+fn who_nearly_faces_where_it_is_to_has_arrived() {
+    let (mut group, ids) = people(&standing_tables(), 2, CharactersConfig::default(), here);
+    (0..30).for_each(|_| group.step(DT, &Inline).unwrap());
+    for (&id, degrees) in ids.iter().zip([12f32, 20.0]) {
+        group.order(id, PolicyOrder::turn_to(degrees.to_radians())).unwrap();
+    }
+    (0..60).for_each(|_| group.step(DT, &Inline).unwrap());
+    // No motion of this bundle turns.
+    assert_eq!(group.status(ids[0]).unwrap(), OrderStatus::Arrived);
+    assert!(matches!(group.status(ids[1]).unwrap(), OrderStatus::Going { .. }));
+}
