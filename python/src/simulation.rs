@@ -3,7 +3,9 @@
 use crate::bundle::PyBundle;
 use crate::error;
 use crate::work;
-use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadwriteArray2, PyReadwriteArray4};
+use numpy::{
+    PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadwriteArray2, PyReadwriteArray4, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
@@ -100,16 +102,16 @@ impl PySimulation {
     /// Writes the roots into an array (n x 3).
     fn _roots_into(&self, mut out: PyReadwriteArray2<'_, f32>) -> PyResult<()> {
         let expected = [self.sim.num_characters(), 3];
-        let shape = out.as_array_mut().shape().to_vec();
-        self.write_roots(checked_output(&shape, &expected, out.as_slice_mut().ok())?);
+        let (shape, in_order) = (out.shape().to_vec(), out.is_c_contiguous());
+        self.write_roots(checked_output(&shape, &expected, out.as_slice_mut().ok().filter(|_| in_order))?);
         Ok(())
     }
 
     /// Writes the poses into an array (n x 22 x 3 x 4).
     fn _poses_into(&self, mut out: PyReadwriteArray4<'_, f32>) -> PyResult<()> {
         let expected = [self.sim.num_characters(), NUM_JOINTS, 3, 4];
-        let shape = out.as_array_mut().shape().to_vec();
-        self.write_poses(checked_output(&shape, &expected, out.as_slice_mut().ok())?);
+        let (shape, in_order) = (out.shape().to_vec(), out.is_c_contiguous());
+        self.write_poses(checked_output(&shape, &expected, out.as_slice_mut().ok().filter(|_| in_order))?);
         Ok(())
     }
 

@@ -130,6 +130,10 @@ def test_roots_of_a_moment_stay_as_they_were():
     np.testing.assert_array_equal(out, sim.roots)
     with pytest.raises(throng.InputError, match="shape"):
         sim.get_roots(out=np.empty((199, 3), np.float32))
+    with pytest.raises(throng.InputError, match="C order"):
+        sim.get_roots(out=np.empty((200, 3), np.float32, order="F"))
+    with pytest.raises(throng.InputError, match="C order"):
+        sim.get_poses(out=np.empty((200, 22, 3, 4), np.float32, order="F"))
     assert sim.poses.shape == (200, 22, 3, 4) and np.isnan(sim.poses).all()
 
 
