@@ -63,7 +63,7 @@ impl Detail {
     pub const RECORDS: Self = Self { eye: Vec2::ZERO, full_m: -1.0, posed_m: -1.0 };
 
     pub(crate) fn check(&self) -> Result<()> {
-        let largest = self.eye.abs().max_element();
+        let largest = if self.eye.is_nan() { f32::NAN } else { self.eye.abs().max_element() };
         check_value("eye", None, largest, largest < 1e6, "finite and below 1e6 (m)")?;
         check_value("full_m", None, self.full_m, self.full_m >= -1.0, "a distance (m)")?;
         check_value("posed_m", None, self.posed_m, self.posed_m >= self.full_m, "at least full_m")

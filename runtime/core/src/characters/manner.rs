@@ -117,8 +117,12 @@ impl Manners {
         if name == MannerName::NONE || self.find_name(name).is_some() {
             return Ok(());
         }
-        let name = String::from_utf8_lossy(&name.0).trim_end_matches('\0').to_owned();
-        Err(Error::Unknown { what: "manner", name, known: self.known().map(str::to_owned).collect() })
+        Err(self.unknown(String::from_utf8_lossy(&name.0).trim_end_matches('\0')))
+    }
+
+    /// The error of a name that is none.
+    pub fn unknown(&self, name: &str) -> Error {
+        Error::Unknown { what: "manner", name: name.to_owned(), known: self.known().map(str::to_owned).collect() }
     }
 
     /// The manner to which a character would still be on its way in a state, by number.

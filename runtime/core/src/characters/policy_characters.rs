@@ -153,6 +153,7 @@ impl PolicyCharacters {
     /// # Errors
     /// [`Error::Gone`], or [`Error::Unknown`] with the manners there are.
     pub fn set_manner(&mut self, id: Id, name: &str) -> Result<()> {
+        ensure(!name.is_empty() && !name.contains('\0'), || self.motion_set.manners.unknown(name))?;
         self.order(id, self.order_of(id)?.in_manner(name))
     }
 

@@ -429,3 +429,16 @@ fn the_last_order_of_a_step_is_the_one_that_is_obeyed() {
         assert_eq!(once.bodies().roots, often.bodies().roots, "step {step_number}");
     }
 }
+
+#[test]
+fn names_that_are_no_manner_and_eyes_that_are_nowhere_are_refused() {
+    let (mut group, ids) = moody_group(config());
+    for name in ["", "sad\0", "sad\0calm"] {
+        let e = group.set_manner(ids[0], name).unwrap_err().to_string();
+        assert!(e.contains("calm") && e.contains("sad"), "{name:?}: {e}");
+    }
+    for eye in [Vec2::NAN, Vec2::new(0.0, f32::NAN), Vec2::new(f32::NAN, 1.0)] {
+        let e = group.set_detail(Some(Detail { eye, full_m: 20.0, posed_m: 60.0 })).unwrap_err().to_string();
+        assert!(e.contains("eye"), "{e}");
+    }
+}
