@@ -24,6 +24,7 @@ use crate::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::ground::ExternalObstacles;
 use throng_base::simd::LANES;
+use throng_base::thresholds::RUNS_MPS;
 use throng_geometry::Bounds2d;
 
 /// Longest plan of an agent near an external obstacle, whose motion may change at any time (s).
@@ -44,10 +45,10 @@ const STRONGEST_MPS2: f32 = 5.0;
 pub(crate) const BEFORE_DOOR_M: f32 = 8.0;
 /// Room behind another one who waits for it (m).
 const BEHIND_M: f32 = 0.5;
-/// Difference between velocity and desired velocity from which plans are short, as a share of the latter.
+/// Difference between velocity and desired velocity of a runner from which plans are short, as a share of the latter.
 const TURNS_FROM: f32 = 0.5;
 /// Share of the acceleration with which a speed is chosen to turn to a point, and the least such speed (m/s).
-const TURNING_SHARE: f32 = 0.25;
+const TURNING_SHARE: f32 = 0.16;
 const CREEPS_MPS: f32 = 0.3;
 /// Longest plan of an agent that waits before a passage (s).
 const WAITING_S: f32 = 0.5;
@@ -210,13 +211,10 @@ impl<V: Space> Decider<'_, V> {
         let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
         let longest = if state.waits { longest.min(WAITING_S) } else { longest };
-        // A long plan takes little of the acceleration: who turns or sets off acts again soon.
+        // A long plan takes little of the acceleration: a runner who turns or sets off acts again soon.
         let error = (walker.desired * walker.speed - velocity).length();
-        let longest = if error > TURNS_FROM * walker.speed.max(0.6 * state.speed).max(slow) {
-            longest.min(soon)
-        } else {
-            longest
-        };
+        let turns = state.speed > RUNS_MPS[0] && error > TURNS_FROM * walker.speed.max(0.6 * state.speed);
+        let longest = if turns { longest.min(soon) } else { longest };
         DesiredMotion { state, fresh, forces, region, meeting, longest }
     }
 
@@ -359,18 +357,9 @@ impl<V: Space> Decider<'_, V> {
             // At its goal the agent yields to others that pass.
             speed *= (distance / path.route.arrival_radius).min(1.0);
         }
-        // Who has to turn to a near point goes so slowly that it does not circle round the point.
-        let (along, fast) = (velocity.dot(desired), velocity.length());
-        let across = if along < 0.0 { 1.0 } else { (velocity - desired * along).length() / fast.max(1e-3) };
-        let turning = TURNING_SHARE * plan.limit.min(STRONGEST_MPS2);
-        let (leg, num_legs) = (state.cursor.leg, path.num_legs() as u32);
-        if leg + 1 < num_legs && (path.subgoal(leg).0 - state.cursor.aim).length() < 2.0 * OPEN_M {
-            // It brakes before a point at which it turns.
-            let after = (path.subgoal(leg + 1).0 - state.cursor.aim).unit_and_length().0;
-            let at_point = 2.0 * turning * OPEN_M / (1.0 - desired.dot(after)).max(0.05);
-            speed = speed.min((at_point + plan.limit * (distance - OPEN_M).max(0.0)).sqrt());
+        if speed > RUNS_MPS[0] {
+            speed = speed.min(self.turning_speed(state, plan.limit, position, velocity));
         }
-        speed = speed.min((turning * distance / across.max(0.05)).sqrt().max(CREEPS_MPS));
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
         SteeredAgent {
             position,
@@ -383,6 +372,26 @@ impl<V: Space> Decider<'_, V> {
             retreats: false,
             off_centre: position - centre,
         }
+    }
+
+    /// Speed of a runner who has to turn to a near point, and does not circle round it (m/s).
+    ///
+    /// - `limit`: its largest acceleration (m/s2).
+    fn turning_speed(&self, state: &AgentState<V>, limit: f32, position: V, velocity: V) -> f32 {
+        let (path, leg) = (&self.scenery.paths[state.route as usize], state.cursor.leg);
+        let (desired, distance) = (state.cursor.aim - position).unit_and_length();
+        let (along, fast) = (velocity.dot(desired), velocity.length());
+        let across = if along < 0.0 { 1.0 } else { (velocity - desired * along).length() / fast.max(1e-3) };
+        let turning = TURNING_SHARE * limit.min(STRONGEST_MPS2);
+        let speed = (turning * distance / across.max(0.05)).sqrt().max(CREEPS_MPS);
+        let is_near_subgoal = (path.subgoal(leg).0 - state.cursor.aim).length() < 2.0 * OPEN_M;
+        if leg as usize + 1 >= path.num_legs() || !is_near_subgoal {
+            return speed;
+        }
+        // It brakes before a point at which it turns.
+        let after = (path.subgoal(leg + 1).0 - state.cursor.aim).unit_and_length().0;
+        let at_point = 2.0 * turning * OPEN_M / (1.0 - desired.dot(after)).max(0.05);
+        speed.min((at_point + limit * (distance - OPEN_M).max(0.0)).sqrt())
     }
 
     /// Lets an agent wait before a passage that is granted to others, or give way where it is blocked; true where it waits.
