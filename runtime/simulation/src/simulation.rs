@@ -59,14 +59,17 @@ pub struct Simulation {
     reserved: Vec<ReservedRegion>,
     /// True for each door that is open.
     open_doors: Vec<bool>,
-    /// Order of each character, and the goal that it has by that; none before the first (num_characters).
-    orders: Vec<Option<(Order, Option<Vec3>)>>,
+    /// Order of each character (num_characters).
+    orders: Vec<GivenOrder>,
     /// Character group that was last informed of the current reserved regions; nothing has changed since.
     informed_group: Option<usize>,
     time_s: f64,
     /// Computing time of each character group so far, where it is measured (s).
     busy_s: Option<Vec<f64>>,
 }
+
+/// Order of a character, and the goal that it has by that; none before the first order.
+type GivenOrder = Option<(Order, Option<Vec3>)>;
 
 /// Group of a simulation.
 #[derive(Clone, Debug, PartialEq)]
@@ -355,11 +358,11 @@ impl Simulation {
     /// changed then.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
-        let (time_s, orders, saved): (f64, Vec<Option<(Order, Option<Vec3>)>>, Vec<Bytes>) = kind.read_all(bytes)?;
+        let (time_s, orders, saved): (f64, Vec<GivenOrder>, Vec<Bytes>) = kind.read_all(bytes)?;
         let is_own = saved.len() == self.character_groups.len() && (0.0..1e9).contains(&time_s);
         check_snapshot(is_own, kind.what, "it has another time or other groups")?;
         let num = self.num_characters();
-        let is_sound = |(who, given): (usize, &Option<(Order, Option<Vec3>)>)| {
+        let is_sound = |(who, given): (usize, &GivenOrder)| {
             given.is_none_or(|(order, goal)| order.check(who, num).is_ok() && goal.is_none_or(Vec3::is_finite))
         };
         let are_orders = orders.len() == num && orders.iter().enumerate().all(is_sound);
