@@ -1,7 +1,6 @@
 //! Analytic arm IK: upper arm and forearm that bring a wrist to a position, with the elbow towards a pole.
 
-use super::leg::two_bone_angles;
-use super::side::LateralSide;
+use super::{leg::two_bone_angles, side::LateralSide};
 use glam::{DMat3, DQuat, DVec3};
 
 /// Result of arm IK: rotation of the upper arm, and flexion of the elbow.

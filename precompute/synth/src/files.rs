@@ -1,8 +1,7 @@
 //! Synthetic clips as ordinary BVH files with sidecars, which the ordinary importer reads.
 
-use std::fs::create_dir_all;
-use std::io::Error;
 use std::path::{Path, PathBuf};
+use std::{fs::create_dir_all, io::Error};
 use throng_motion::annotate::sidecar::{Sidecar, SidecarTag, TimeUnit};
 use throng_motion::clip::{Clip, ClipSet, ClipTag};
 use throng_motion::error::{BuildError, Result};

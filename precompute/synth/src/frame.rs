@@ -1,9 +1,6 @@
 //! Pose of the whole body at an instant, and its conversion to a frame of a clip.
 
-use super::SynthConfig;
-use super::foot::FootPose;
-use super::leg::LegShape;
-use super::side::LateralSide;
+use super::{SynthConfig, foot::FootPose, leg::LegShape, side::LateralSide};
 use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::clip::{Clip, ClipTag};

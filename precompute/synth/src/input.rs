@@ -3,8 +3,7 @@
 use super::{SynthConfig, SynthSet, files, make_set};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 use throng_motion::annotate::Sidecar;
 use throng_motion::error::{BuildError, Result, check_ranges};
 use throng_motion::import::{self, ImportConfig, ImportedSet};

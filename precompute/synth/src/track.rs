@@ -1,7 +1,6 @@
 //! Keys of several channels over time, and the smooth signals through them.
 
-use super::frame::Samples;
-use super::signal::smooth;
+use super::{frame::Samples, signal::smooth};
 use bytemuck::Pod;
 
 /// Time between keys below which they count as one intention: the later one wins (s).

@@ -1,13 +1,10 @@
 //! The body between feet and fists: balanced over the feet, as high as the knees allow, turned and leaned as planned.
 
-use super::super::attitude::Attitude;
-use super::super::foot::FootPose;
-use super::super::frame::{Samples, upper_chest};
-use super::super::leg::LegShape;
-use super::super::pendulum::pendulum;
-use super::super::side::{LateralSide, forward, ground_position, leftward, over_ground};
-use super::super::signal::{smooth, smooth_below};
 use super::{BoxingPosture, BoxingScript, DesiredFoot};
+use crate::frame::{Samples, upper_chest};
+use crate::side::{LateralSide, forward, ground_position, leftward, over_ground};
+use crate::signal::{smooth, smooth_below};
+use crate::{attitude::Attitude, foot::FootPose, leg::LegShape, pendulum::pendulum};
 use glam::{DQuat, DVec2, DVec3};
 use throng_core::{Joint, Skeleton};
 

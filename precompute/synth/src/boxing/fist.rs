@@ -3,12 +3,11 @@
 //! A blow is a displacement from the guard that passes its target at full speed in the direction of the blow, so a
 //! straight one leaves straight and a bent one swings around, while the guard moves on underneath.
 
-use super::super::arm::ArmShape;
-use super::super::frame::Samples;
-use super::super::side::{LateralSide, forward, over_ground};
-use super::super::signal::{PieceEnd, quintic};
 use super::technique::{self, Technique};
 use super::{BoxerBody, BoxingHandPose, BoxingScript, Punch, ScriptedBlow};
+use crate::side::{LateralSide, forward, over_ground};
+use crate::signal::{PieceEnd, quintic};
+use crate::{arm::ArmShape, frame::Samples};
 use glam::{DQuat, DVec3};
 use throng_core::Skeleton;
 

@@ -1,10 +1,9 @@
 //! A boxer's foot: stands on its ball, lifts its heel, turns on the spot, and glides low to the next place.
 
-use super::super::foot::{FootPose, FootShape};
-use super::super::frame::Samples;
-use super::super::side::{forward, over_ground};
-use super::super::signal::{bump, cruise};
-use super::super::track::KeyTrack;
+use crate::foot::{FootPose, FootShape};
+use crate::side::{forward, over_ground};
+use crate::signal::{bump, cruise};
+use crate::{frame::Samples, track::KeyTrack};
 use glam::DVec2;
 
 /// Contact of the ball of a foot with the ground.

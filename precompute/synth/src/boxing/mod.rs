@@ -15,11 +15,10 @@ mod posture;
 mod script;
 mod technique;
 
-use super::SynthConfig;
-use super::arm::ArmShape;
 use super::frame::{self, ArmPose, BodyPose, Samples};
 use super::side::{LateralSide, forward_direction};
 use super::signal::{interpolate, smooth};
+use super::{SynthConfig, arm::ArmShape};
 use body::BoxerBody;
 use fist::ArmGoal;
 use foot::{BoxerFoot, DesiredFoot};

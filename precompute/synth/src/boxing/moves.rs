@@ -1,6 +1,6 @@
 //! Repertoire of a boxer: punches and their combinations, defences, footwork.
 
-use super::super::side::LateralSide;
+use crate::side::LateralSide;
 
 /// Kind of punch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,9 +1,9 @@
 //! Intentions of the boxer: footwork, combinations and defences, dealt in equal numbers.
 
-use super::super::deck::CardDeck;
 use super::attack::{self, Attack, BlowLevel};
 use super::moves::{COMBINATIONS, Defence, FOOTWORK, HandPunch, Shuffle};
 use super::{BoxingHandPose, BoxingPosture, BoxingScript, ScriptedBlow, technique};
+use crate::deck::CardDeck;
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::Skeleton;

@@ -1,9 +1,8 @@
 //! Timeline of a clip: the keys, steps and blows of a plan.
 
-use super::super::foot::FootShape;
-use super::super::side::{LateralSide, forward, leftward};
-use super::super::track::KeyTrack;
 use super::{BoxerFoot, BoxingHandPose, BoxingPosture, HandPunch, Shuffle};
+use crate::side::{LateralSide, forward, leftward};
+use crate::{foot::FootShape, track::KeyTrack};
 use glam::DVec2;
 use throng_core::Skeleton;
 

@@ -1,6 +1,6 @@
 //! Steady movement over the ground.
 
-use super::super::side::{forward, leftward};
+use crate::side::{forward, leftward};
 use glam::DVec2;
 
 /// A constant velocity in the body's frame, and a constant turning rate: the path is a circular arc, a straight line or

@@ -1,8 +1,7 @@
 //! Footfalls along a steady path, and the phase that they define.
 
-use super::super::side::LateralSide;
-use super::super::walk::roll::Footfall;
 use super::{LocomotionAct, Stride};
+use crate::{side::LateralSide, walk::roll::Footfall};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use std::ops::Range;

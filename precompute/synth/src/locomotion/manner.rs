@@ -1,7 +1,7 @@
 //! Manners: changes of posture and movement by mood, for any gait.
 
-use super::super::frame::{ArmPose, BodyPose};
-use super::super::side::{LateralSide, forward};
+use crate::frame::{ArmPose, BodyPose};
+use crate::side::{LateralSide, forward};
 use glam::{DQuat, DVec3};
 use throng_core::Planar;
 

@@ -15,8 +15,7 @@ mod stride;
 mod swing;
 mod walker;
 
-use super::SynthConfig;
-use super::frame;
+use super::{SynthConfig, frame};
 use drive::Drive;
 use falls::AlternatingFootfalls;
 use manner::{MANNERS, Manner, apply_manner};

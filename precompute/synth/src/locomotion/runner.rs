@@ -1,16 +1,13 @@
 //! Jogging and running: the body bounces from foot to foot, leans into its path, and swings its bent arms.
 
-use super::super::attitude::{Attitude, Trunk, trunk_between};
-use super::super::foot::FootShape;
-use super::super::frame::{ArmPose, BodyPose};
-use super::super::leg::LegShape;
-use super::super::side::{LateralSide, ground_position, over_ground};
-use super::super::walk::arms::ArmAngles;
-use super::super::walk::assemble::{drift, knees};
-use super::super::walk::roll::{Footfall, standing};
-use super::super::walk::trunk::Drift;
 use super::swing::{LegKey, RunnerFoot, RunnerSwing};
 use super::{ActTimes, AlternatingFootfalls, LocomotionAct, Manner, Stride, apply_manner};
+use crate::attitude::{Attitude, Trunk, trunk_between};
+use crate::frame::{ArmPose, BodyPose};
+use crate::side::{LateralSide, ground_position, over_ground};
+use crate::walk::assemble::{drift, knees};
+use crate::walk::roll::{Footfall, standing};
+use crate::{foot::FootShape, leg::LegShape, walk::arms::ArmAngles, walk::trunk::Drift};
 use glam::DVec3;
 use rand::Rng;
 use std::f64::consts::{PI, TAU};

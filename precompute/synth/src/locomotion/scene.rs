@@ -1,6 +1,6 @@
 //! Sample times of an act, with the skeleton and the amount of variation.
 
-use super::super::frame::Samples;
+use crate::frame::Samples;
 use std::ops::Range;
 use throng_core::Skeleton;
 

@@ -1,8 +1,8 @@
 //! Steps of the feet in each gait.
 
-use super::super::walk::gait::step_at;
-use super::super::walk::wander::{STANDING_WIDTH, TOE_OUT, WALKING_WIDTH};
 use super::motion_set::{GaitKind, LocomotionAct};
+use crate::walk::gait::step_at;
+use crate::walk::wander::{STANDING_WIDTH, TOE_OUT, WALKING_WIDTH};
 
 /// Steps of a steady gait, equal for both feet.
 #[derive(Clone, Copy, Debug, PartialEq)]

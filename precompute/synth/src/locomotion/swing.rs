@@ -1,12 +1,11 @@
 //! The foot of a runner over time: its contacts, and the swing that folds the leg, lifts the knee and reaches out.
 
-use super::super::foot::{FootPose, FootShape};
-use super::super::leg::LegShape;
-use super::super::side::{LateralSide, ground_position, over_ground};
-use super::super::signal::{PieceEnd, early_bump, quintic};
-use super::super::track::hermite_piece;
-use super::super::walk::roll::{Footfall, standing};
 use super::drive::Drive;
+use crate::foot::{FootPose, FootShape};
+use crate::side::{LateralSide, ground_position, over_ground};
+use crate::signal::{PieceEnd, early_bump, quintic};
+use crate::walk::roll::{Footfall, standing};
+use crate::{leg::LegShape, track::hermite_piece};
 use glam::DVec3;
 use throng_base::thresholds::TOE_CLEARANCE_M_F64;
 

@@ -1,17 +1,12 @@
 //! Gaits with a foot on the ground at all times, assembled from the parts of the walker.
 
-use super::super::foot::FootShape;
-use super::super::frame::BodyPose;
-use super::super::pendulum;
-use super::super::side::LateralSide;
-use super::super::walk::arms::{self, ArmInput};
-use super::super::walk::assemble::{ClipSignals, drift};
-use super::super::walk::foot::FootTrack;
-use super::super::walk::footsteps::Footsteps;
-use super::super::walk::pelvis::{self, PelvisInput};
-use super::super::walk::roll::Footfall;
-use super::super::walk::trunk::{self, Drift};
 use super::{ActTimes, AlternatingFootfalls, LocomotionAct, Manner, Stride, apply_manner};
+use crate::walk::arms::{self, ArmInput};
+use crate::walk::assemble::{ClipSignals, drift};
+use crate::walk::pelvis::{self, PelvisInput};
+use crate::walk::trunk::{self, Drift};
+use crate::{foot::FootShape, frame::BodyPose, pendulum, side::LateralSide, walk::foot::FootTrack};
+use crate::{walk::footsteps::Footsteps, walk::roll::Footfall};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use std::f64::consts::TAU;

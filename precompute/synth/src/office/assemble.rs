@@ -1,15 +1,12 @@
 //! From a script to a clip: the walker's body, moved by the keys and onto the chair.
 
-use super::super::SynthConfig;
-use super::super::attitude::{Attitude, Trunk};
-use super::super::foot::FootShape;
-use super::super::frame::{self, Samples};
-use super::super::side::{LateralSide, forward, leftward, over_ground};
-use super::super::walk::assemble::ClipSignals;
-use super::super::walk::footsteps;
-use super::super::walk::pelvis::{Pelvis, PelvisInput};
 use super::hands::{self, HandFrame};
 use super::{KeyedHandPose, KeyedPosture, MotionScript, SEAT, SeatedShare};
+use crate::attitude::{Attitude, Trunk};
+use crate::frame::{self, Samples};
+use crate::side::{LateralSide, forward, leftward, over_ground};
+use crate::walk::pelvis::{Pelvis, PelvisInput};
+use crate::{SynthConfig, foot::FootShape, walk::assemble::ClipSignals, walk::footsteps};
 use glam::DVec3;
 use rand::Rng;
 use throng_core::{Contacts, Skeleton};

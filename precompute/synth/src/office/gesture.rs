@@ -1,8 +1,7 @@
 //! Talking: gestures of the hands, nods and glances, from a quiet chat to a dispute.
 
-use super::super::attitude::Attitude;
-use super::super::side::LateralSide;
 use super::{KeyedHandPose, KeyedPosture, LAP, MotionScript, mirrored_for_side};
+use crate::{attitude::Attitude, side::LateralSide};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 

@@ -1,10 +1,8 @@
 //! Arms between hanging and holding a hand at a position.
 
-use super::super::arm::ArmShape;
-use super::super::attitude::Attitude;
-use super::super::frame::{ArmPose, upper_chest};
-use super::super::side::LateralSide;
 use super::posture::KeyedHandPose;
+use crate::frame::{ArmPose, upper_chest};
+use crate::{arm::ArmShape, attitude::Attitude, side::LateralSide};
 use glam::{DQuat, DVec3};
 use throng_core::{Joint, Skeleton};
 

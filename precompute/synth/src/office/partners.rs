@@ -1,9 +1,9 @@
 //! Activities of two people: they stand face to face and chat, dispute, shake hands, hand something over, or dance.
 
-use super::super::side::{LateralSide, leftward};
-use super::super::walk::footsteps::FeetStance;
 use super::gesture::{self, TalkStyle, hand_before_body};
 use super::{KeyedHandPose, KeyedPosture, MotionScript, ScriptStep, face_partner, lean_on, mirrored_for_side};
+use crate::side::{LateralSide, leftward};
+use crate::walk::footsteps::FeetStance;
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use std::f64::consts::PI;

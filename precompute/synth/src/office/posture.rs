@@ -1,6 +1,6 @@
 //! Postures in an office, as channels that can be keyed: all zero in a neutral stand.
 
-use super::super::attitude::Attitude;
+use crate::attitude::Attitude;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 

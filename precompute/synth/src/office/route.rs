@@ -1,11 +1,10 @@
 //! Walking along a curve that avoids furniture.
 
-use super::super::side::{LateralSide, forward};
-use super::super::signal::interpolate;
-use super::super::walk::footsteps::FeetStance;
-use super::super::walk::gait::{StepShape, step_at, turning_step_at};
-use super::super::walk::wander::{STANDING_WIDTH, TOE_OUT, WALKING_WIDTH, limit_turn};
 use super::script::{MotionScript, ScriptStep};
+use crate::side::{LateralSide, forward};
+use crate::walk::gait::{StepShape, step_at, turning_step_at};
+use crate::walk::wander::{STANDING_WIDTH, TOE_OUT, WALKING_WIDTH, limit_turn};
+use crate::{signal::interpolate, walk::footsteps::FeetStance};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use std::ops::Range;

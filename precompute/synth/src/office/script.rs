@@ -1,12 +1,11 @@
 //! Timeline of a clip: steps, stays on the chair, keys of trunk, head and hands, and tags.
 
-use super::super::attitude::Attitude;
-use super::super::side::{LateralSide, forward, leftward};
-use super::super::track::KeyTrack;
-use super::super::walk::footsteps::{FeetStance, LAST_STAND, SHIFT, timing};
-use super::super::walk::gait::{StepShape, pivot_step};
-use super::super::walk::wander::{Intent, STANDING_WIDTH, TOE_OUT};
 use super::{ChairStay, KeyedHandPose, KeyedPosture};
+use crate::side::{LateralSide, forward, leftward};
+use crate::walk::footsteps::{FeetStance, LAST_STAND, SHIFT, timing};
+use crate::walk::gait::{StepShape, pivot_step};
+use crate::walk::wander::{Intent, STANDING_WIDTH, TOE_OUT};
+use crate::{attitude::Attitude, track::KeyTrack};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use throng_core::planar::wrap_angle;

@@ -6,7 +6,7 @@
 //! during rising to standing from sitting*). Sitting down is the reverse, except that the trunk leans and the hips go
 //! back from the first moment on.
 
-use super::super::signal::{PieceEnd, cruise, quintic};
+use crate::signal::{PieceEnd, cruise, quintic};
 
 /// A stay on a chair.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,11 +1,9 @@
 //! Behaviours of standing people: they wait, chat, dispute and present, and stand still in between.
 
-use super::super::attitude::Attitude;
-use super::super::deck::CardDeck;
-use super::super::side::{LateralSide, leftward};
-use super::super::walk::footsteps::FeetStance;
 use super::gesture::{self, CLASP, TalkStyle, hand_before_body as pose, on_hip};
 use super::{KeyedHandPose, KeyedPosture, MotionScript, ScriptStep, mirrored_for_side};
+use crate::side::{LateralSide, leftward};
+use crate::{attitude::Attitude, deck::CardDeck, walk::footsteps::FeetStance};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 

@@ -1,12 +1,9 @@
 //! A visit to the desk: walking up, getting between chair and desk, sitting down, working, standing up, walking away.
 
-use super::super::attitude::Attitude;
-use super::super::deck::CardDeck;
-use super::super::side::LateralSide;
-use super::super::walk::footsteps::FeetStance;
 use super::route::{GroundGoal, walk_route};
 use super::work::{self, Worker};
 use super::{BEFORE_SEAT, ChairStay, KeyedHandPose, KeyedPosture, MotionScript, ScriptStep, is_blocked};
+use crate::{attitude::Attitude, deck::CardDeck, side::LateralSide, walk::footsteps::FeetStance};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use std::f64::consts::PI;

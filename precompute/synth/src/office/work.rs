@@ -1,12 +1,9 @@
 //! Work at the desk: typing, using the mouse, reading, leaning back, and talking to a visitor beside the desk.
 
-use super::super::attitude::Attitude;
-use super::super::deck::CardDeck;
-use super::super::side::LateralSide;
-use super::super::walk::footsteps::FeetStance;
-use super::super::walk::wander::TOE_OUT;
 use super::gesture::{self, TalkStyle};
 use super::{KeyedHandPose, KeyedPosture, LAP, MotionScript, SITTING, ScriptStep, TOP, mirrored_for_side};
+use crate::walk::wander::TOE_OUT;
+use crate::{attitude::Attitude, deck::CardDeck, side::LateralSide, walk::footsteps::FeetStance};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 

@@ -1,14 +1,11 @@
 //! Scripts of the acts.
 
-use super::super::attitude::Attitude;
-use super::super::office::desk::BEFORE_SEAT;
-use super::super::office::gesture::{self, CHIN, TalkStyle, hand_before_body, on_hip};
-use super::super::office::posture::{KeyedHandPose, KeyedPosture};
-use super::super::office::script::MotionScript;
-use super::super::office::stand::{clasp_hands, lean_on, look_around, look_at_watch};
-use super::super::office::visit::{self, mirrored_for_side};
-use super::super::side::LateralSide;
-use super::super::walk::footsteps::FeetStance;
+use crate::office::gesture::{self, CHIN, TalkStyle, hand_before_body, on_hip};
+use crate::office::posture::{KeyedHandPose, KeyedPosture};
+use crate::office::stand::{clasp_hands, lean_on, look_around, look_at_watch};
+use crate::office::visit::{self, mirrored_for_side};
+use crate::walk::footsteps::FeetStance;
+use crate::{attitude::Attitude, office::desk::BEFORE_SEAT, office::script::MotionScript, side::LateralSide};
 use HandsAtRest::{Chin, Clasp, Hang, Hip, Watch};
 use LateralSide::{Left, Right};
 use PersonAct::{Buy, Chat, Cheer, Handshake, Look, Nod, Put, Queue, Sit, Take, Wave};

@@ -5,8 +5,7 @@
 
 mod acts;
 
-use super::SynthConfig;
-use super::office::assemble;
+use super::{SynthConfig, office::assemble};
 use acts::PersonAct;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;

@@ -1,11 +1,9 @@
 //! Body parts for slides and ladders: hips, trunk and arms as keyed channels, and hands that hold on.
 
-use super::super::arm::ArmShape;
-use super::super::attitude::{Attitude, trunk_between};
-use super::super::frame::{ArmPose, BodyPose, upper_chest};
-use super::super::side::LateralSide;
-use super::super::signal::bump;
 use super::moment::{ease_in_out, mix_arms};
+use crate::attitude::{Attitude, trunk_between};
+use crate::frame::{ArmPose, BodyPose, upper_chest};
+use crate::{arm::ArmShape, side::LateralSide, signal::bump};
 use bytemuck::{Pod, Zeroable};
 use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Skeleton};

@@ -1,7 +1,7 @@
 //! Course of a slide: the centre line of its bed, by distance over the ground.
 
-use super::super::side::{forward, left_direction, leftward, over_ground};
-use super::super::walk::footsteps::FeetStance;
+use crate::side::{forward, left_direction, leftward, over_ground};
+use crate::walk::footsteps::FeetStance;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 

@@ -3,7 +3,7 @@
 //! The numbers equal those of `data/units/playground.toml` and `data/environments/playground.toml`; a test compares
 //! them.
 
-use super::super::walk::footsteps::FeetStance;
+use crate::walk::footsteps::FeetStance;
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI};
 

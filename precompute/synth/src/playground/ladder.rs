@@ -1,14 +1,12 @@
 //! Climbing the ladder: a foot and the opposite hand at a time, with a rung for every step of a foot.
 
-use super::super::foot::{FootPose, FootShape};
-use super::super::frame::{BodyPose, Samples};
-use super::super::side::{LateralSide, forward_direction, left_direction};
-use super::super::signal::bump;
-use super::super::track::KeyTrack;
-use super::super::walk::footsteps::FeetStance;
 use super::body::{Carriage, HandTrack, HoldPoint, SynthHandGrip, hold_on};
 use super::gym::{LADDER, LADDER_FRONT, LEVEL, RAIL_ASIDE, RAIL_TOP, RUNG, RUNG_RADIUS};
 use super::moment::{BodyMoment, ease_in_out, mix_turn};
+use crate::foot::{FootPose, FootShape};
+use crate::frame::{BodyPose, Samples};
+use crate::side::{LateralSide, forward_direction, left_direction};
+use crate::{signal::bump, track::KeyTrack, walk::footsteps::FeetStance};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::Skeleton;

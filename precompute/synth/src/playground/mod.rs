@@ -13,11 +13,8 @@ mod plan;
 mod route;
 mod slide;
 
-use super::SynthConfig;
-use super::foot::FootShape;
 use super::frame::{self, Samples};
-use super::walk::assemble::ClipSignals;
-use super::walk::footsteps;
+use super::{SynthConfig, foot::FootShape, walk::assemble::ClipSignals, walk::footsteps};
 use moment::{BodyMoment, crossfade};
 use plan::{GymVisitor, VisitLeg};
 use rand::{Rng, RngExt, SeedableRng};

@@ -1,10 +1,9 @@
 //! A body at one instant in the gym, and the blending of motions.
 
-use super::super::foot::FootPose;
-use super::super::frame::{ArmPose, BodyPose};
-use super::super::signal::{PieceEnd, quintic};
-use throng_core::Contacts;
-use throng_core::planar::wrap_angle;
+use crate::foot::FootPose;
+use crate::frame::{ArmPose, BodyPose};
+use crate::signal::{PieceEnd, quintic};
+use throng_core::{Contacts, planar::wrap_angle};
 
 /// A body at one instant.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,15 +1,12 @@
 //! Plan of a visitor of the gym: walks to an ascent, goes up, walks about on the deck, comes down, and repeats.
 
-use super::super::deck::CardDeck;
-use super::super::walk::footsteps::FeetStance;
-use super::course::SlideCourse;
 use super::gym::{self, CLOSE, DECK_A, DECK_B, ELBOWS, GymDeck, LEVEL, STAIRS_A, STAIRS_B, Stairs};
 use super::route::{PathPenalty, WalkEnding, WalkRoute};
-use super::{ladder, slide};
+use super::{course::SlideCourse, ladder, slide};
+use crate::{deck::CardDeck, walk::footsteps::FeetStance};
 use glam::DVec2;
 use rand::{Rng, RngExt};
-use std::f64::consts::PI;
-use std::iter::successors;
+use std::{f64::consts::PI, iter::successors};
 
 /// A part of a visit.
 pub enum VisitLeg {

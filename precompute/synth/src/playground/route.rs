@@ -3,16 +3,15 @@
 //! The walker's own steps and turns are kept. Of many possible paths, each of straight legs and turns, the one is taken
 //! whose straight steps have to be stretched least for the last step to arrive.
 
-use super::super::side::{LateralSide, forward};
-use super::super::walk::footsteps::{FeetStance, timing};
-use super::super::walk::gait::{StepShape, step_at};
-use super::super::walk::wander::{Intent, SPEEDS, TOE_OUT, WALKING_WIDTH, WalkSteps};
 use super::gym::{self, Stairs};
+use crate::side::{LateralSide, forward};
+use crate::walk::footsteps::{FeetStance, timing};
+use crate::walk::gait::{StepShape, step_at};
+use crate::walk::wander::{Intent, SPEEDS, TOE_OUT, WALKING_WIDTH, WalkSteps};
 use glam::{DMat2, DVec2};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use std::f64::consts::PI;
-use std::ops::Range;
+use std::{f64::consts::PI, ops::Range};
 use throng_core::planar::wrap_angle;
 
 /// Largest stretch of steps, as a share of their length.

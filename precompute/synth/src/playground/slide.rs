@@ -1,15 +1,14 @@
 //! Sitting down at the top of a slide, sliding, and getting up at its lower end.
 
-use super::super::foot::{FootPose, FootShape};
-use super::super::frame::{BodyPose, Samples};
-use super::super::side::{LateralSide, forward, forward_direction, ground_position, left_direction, leftward};
-use super::super::signal::{PieceEnd, bump, quintic, smooth};
-use super::super::track::KeyTrack;
-use super::super::walk::footsteps::FeetStance;
 use super::LegMoments;
 use super::body::{Carriage, HandTrack, HoldPoint, SynthHandGrip, hold_on};
 use super::course::{SIDE_ASIDE, SIDE_HEIGHT, SlideCourse};
 use super::moment::{self, BodyMoment, ease_in_out};
+use crate::foot::{FootPose, FootShape};
+use crate::frame::{BodyPose, Samples};
+use crate::side::{LateralSide, forward, forward_direction, ground_position, left_direction, leftward};
+use crate::signal::{PieceEnd, bump, quintic, smooth};
+use crate::{track::KeyTrack, walk::footsteps::FeetStance};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 use throng_core::{Contacts, Skeleton};

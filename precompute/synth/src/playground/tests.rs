@@ -1,7 +1,7 @@
 //! What the whole set promises, measured on the finished clips.
 
-use super::super::SynthSet;
 use super::*;
+use crate::SynthSet;
 use crate::checks::*;
 use glam::{DVec2, Quat, Vec3};
 use proptest::prelude::*;

@@ -1,10 +1,8 @@
 //! Arms: hanging at the sides, swinging against the legs, with more flexion in faster walks.
 
-use super::super::attitude::Trunk;
-use super::super::frame::ArmPose;
-use super::super::side::LateralSide;
-use super::super::signal::{shifted, smooth};
 use super::trunk::Drift;
+use crate::signal::{shifted, smooth};
+use crate::{attitude::Trunk, frame::ArmPose, side::LateralSide};
 use glam::DQuat;
 use std::f64::consts::FRAC_PI_2;
 

@@ -1,19 +1,16 @@
 //! Assembles the parts of the walker, sample by sample, into a clip.
 
-use super::super::SynthConfig;
-use super::super::attitude::{Attitude, Trunk};
-use super::super::foot::FootPose;
-use super::super::frame::{self, ArmPose, BodyPose, Samples};
-use super::super::side::forward_direction;
-use super::super::signal::{interpolate, smooth};
 use super::arms::{self, ArmInput};
 use super::footsteps::Footsteps;
 use super::pelvis::{self, Pelvis, PelvisInput};
 use super::trunk::{self, Drift};
+use crate::attitude::{Attitude, Trunk};
+use crate::frame::{self, ArmPose, BodyPose, Samples};
+use crate::signal::{interpolate, smooth};
+use crate::{SynthConfig, foot::FootPose, side::forward_direction};
 use glam::{DQuat, DVec2, DVec3};
 use rand::{Rng, RngExt};
-use throng_core::planar::wrap_angle;
-use throng_core::{Contacts, Planar, Skeleton};
+use throng_core::{Contacts, Planar, Skeleton, planar::wrap_angle};
 use throng_motion::clip::Clip;
 
 /// All signals of a clip at the working rate.

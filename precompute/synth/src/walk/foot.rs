@@ -1,9 +1,9 @@
 //! A foot over time: its footfalls, and its swings between them.
 
-use super::super::foot::{FootPose, FootShape};
-use super::super::side::{LateralSide, forward, ground_position, leftward};
-use super::super::signal::{PieceEnd, bump, cruise, early_bump, quintic};
 use super::roll::{Footfall, ball_flat, ball_landing, push_pitch, standing, strike_pitch};
+use crate::foot::{FootPose, FootShape};
+use crate::side::{LateralSide, forward, ground_position, leftward};
+use crate::signal::{PieceEnd, bump, cruise, early_bump, quintic};
 use glam::{DVec2, DVec3};
 use throng_base::thresholds::WALK_CLEARANCE_M_F64;
 

@@ -1,10 +1,9 @@
 //! Placement of intended steps on the ground and in time: footfalls of both feet, and their shares of the weight.
 
-use super::super::foot::FootShape;
-use super::super::side::{LateralSide, forward, leftward};
-use super::foot::FootTrack;
-use super::roll::Footfall;
 use super::wander::{Intent, STANDING_WIDTH, TOE_OUT};
+use super::{foot::FootTrack, roll::Footfall};
+use crate::foot::FootShape;
+use crate::side::{LateralSide, forward, leftward};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 

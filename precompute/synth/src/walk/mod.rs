@@ -14,8 +14,7 @@ pub(super) mod roll;
 pub(super) mod trunk;
 pub(super) mod wander;
 
-use super::SynthConfig;
-use super::foot::FootShape;
+use super::{SynthConfig, foot::FootShape};
 use footsteps::{FeetStance, LAST_STAND};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -1,14 +1,10 @@
 //! The pelvis: heading from the feet, turning, listing and bobbing with the steps, as high as both legs allow.
 
-use super::super::attitude::Attitude;
-use super::super::foot::{FootPose, FootShape};
-use super::super::frame::Samples;
-use super::super::leg::LegShape;
-use super::super::pendulum::pendulum;
-use super::super::side::{LateralSide, forward, ground_position, over_ground};
-use super::super::signal::{PieceEnd, interpolate, quintic, shifted, smooth, smooth_below};
-use super::footsteps::Footsteps;
-use super::roll::Footfall;
+use super::{footsteps::Footsteps, roll::Footfall};
+use crate::foot::{FootPose, FootShape};
+use crate::side::{LateralSide, forward, ground_position, over_ground};
+use crate::signal::{PieceEnd, interpolate, quintic, shifted, smooth, smooth_below};
+use crate::{attitude::Attitude, frame::Samples, leg::LegShape, pendulum::pendulum};
 use glam::{DQuat, DVec2, DVec3};
 use throng_core::{Joint, Skeleton};
 

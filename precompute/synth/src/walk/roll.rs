@@ -1,8 +1,8 @@
 //! A foot on the ground: rolling over the heel, standing flat, rolling over the ball.
 
-use super::super::foot::{FootPose, FootShape};
-use super::super::side::{forward, over_ground};
-use super::super::signal::{PieceEnd, quintic};
+use crate::foot::{FootPose, FootShape};
+use crate::side::{forward, over_ground};
+use crate::signal::{PieceEnd, quintic};
 use glam::{DQuat, DVec2, DVec3};
 
 /// Contact of a foot with the ground, from heel strike to toe-off.

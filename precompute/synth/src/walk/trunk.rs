@@ -1,9 +1,9 @@
 //! Spine, neck and head: leaning with acceleration, turning against the pelvis, looking ahead into turns.
 
-use super::super::attitude::{Attitude, Trunk, trunk_between};
-use super::super::side::{forward, leftward};
-use super::super::signal::{acceleration, shifted, smooth};
 use super::pelvis::Pelvis;
+use crate::attitude::{Attitude, Trunk, trunk_between};
+use crate::side::{forward, leftward};
+use crate::signal::{acceleration, shifted, smooth};
 use glam::DVec2;
 
 /// Slow wandering of attention and posture, different in every clip.

@@ -1,8 +1,7 @@
 //! Intentions of the walker: a seeded sequence of steps that stands, starts, walks, turns and stops.
 
-use super::super::deck::CardDeck;
-use super::super::side::LateralSide;
 use super::gait::{StepShape, pivot_step, step_at, turning_step_at};
+use crate::{deck::CardDeck, side::LateralSide};
 use rand::{Rng, RngExt};
 
 /// An intended step, relative to the previous one.
