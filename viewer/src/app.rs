@@ -1,22 +1,17 @@
 //! The viewer without its window: the same code runs in a window, for a picture and in tests.
 
 use crate::command::{Commands, ViewerCommand};
-use crate::document::OpenDocument;
-use crate::model::Model;
-use crate::panels::viewport::steer::Pads;
 use crate::panels::{PANELS, PanelStates, SystemDialog, dock, keys, messages, start, top_bar, transport, viewport};
 use crate::render::{SceneCallback, SceneColours, SceneFrame, SceneRenderer, WornFrame};
 use crate::settings::{Dock, ViewerSettings};
-use crate::stage::StageLayout;
-use crate::theme;
+use crate::{document::OpenDocument, model::Model, panels::viewport::steer::Pads, stage::StageLayout, theme};
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use eframe::egui_wgpu::RenderState;
 use keys::KeyAction;
-use std::path::PathBuf;
-use std::pin::Pin;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use std::{path::PathBuf, pin::Pin};
 use throng_precompute::import;
 
 /// The viewer.

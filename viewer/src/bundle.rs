@@ -3,10 +3,9 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use throng_core::blend::BlendSpace;
 use throng_core::characters::{MotionSet, SampleJob};
 use throng_core::format::{BlendMeta, ClipMeta, ClipRecord, MADE_TAG};
-use throng_core::{Bundle, Error, FormatError, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Bundle, Error, FormatError, Mat3x4, NUM_JOINTS, Planar, blend::BlendSpace};
 
 /// An open bundle.
 #[derive(Debug)]

@@ -1,11 +1,8 @@
 //! Everything a panel may ask for.
 
-use crate::document::SceneChoice;
-use crate::document::world::UnitChange;
-use crate::render::OrbitCamera;
-use crate::run::agents::AgentEventKind;
 use crate::run::{Blending, RunInput};
 use crate::settings::{PanelKind, ViewerSettings};
+use crate::{document::SceneChoice, document::world::UnitChange, render::OrbitCamera, run::agents::AgentEventKind};
 use glam::Vec3;
 use std::path::PathBuf;
 use throng_core::patch::Placement;

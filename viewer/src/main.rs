@@ -1,13 +1,10 @@
 //! `throng-viewer`: a window or a picture, depending on the arguments.
 
 use clap::Parser;
-use std::error::Error;
-use std::io::Write;
-use std::process::ExitCode;
+use std::{error::Error, io::Write, process::ExitCode};
 use throng_core::base::limit_threads;
 use throng_core::base::text::{escape_for_terminal, escape_json_for_terminal};
-use throng_viewer::args::Args;
-use throng_viewer::{headless, window};
+use throng_viewer::{args::Args, headless, window};
 
 fn main() -> ExitCode {
     limit_threads();

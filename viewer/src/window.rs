@@ -1,10 +1,8 @@
 //! The window.
 
-use crate::app::Viewer;
 use crate::args::{Args, PictureSize};
 use crate::document::{OpenDocument, may_be_made};
-use crate::render::device_descriptor;
-use crate::settings::ViewerSettings;
+use crate::{app::Viewer, render::device_descriptor, settings::ViewerSettings};
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};

@@ -3,13 +3,11 @@
 use super::{Args, BodyChoice, PanelChoice};
 use crate::command::{SceneCommand, SceneViewOptions, ViewStage, ViewerCommand};
 use crate::document::{OpenDocument, SceneChoice, SceneDocument, UserOutfit};
-use crate::model::Model;
-use crate::settings::ViewerSettings;
+use crate::{model::Model, settings::ViewerSettings};
 use eframe::egui;
 use throng_core::base::text::escape_for_terminal;
-use throng_precompute::cache::Cache;
-use throng_precompute::progress::Progress;
 use throng_precompute::run::{BuildContext, News};
+use throng_precompute::{cache::Cache, progress::Progress};
 use throng_simulation::scene::engine;
 
 /// Prints the stages of a build, on standard error.

@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use throng_precompute::cache::Cache;
 use throng_precompute::progress::{BuildStatus, Progress};
 use throng_precompute::run::{BuildContext, News};
-use throng_precompute::verdict::Verdict;
+use throng_precompute::{cache::Cache, verdict::Verdict};
 
 /// Log of a build.
 #[derive(Clone, Debug, Default)]

@@ -2,10 +2,8 @@
 
 use glam::Vec3;
 use std::path::{Path, PathBuf};
-use throng_precompute::ClipSet;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::import::ImportedClip;
 use throng_precompute::inspect::{self, ClipReport, InspectedClip};
+use throng_precompute::{ClipSet, config::BuildConfig, import::ImportedClip};
 
 /// A motion file.
 #[derive(Debug)]

@@ -1,7 +1,6 @@
 //! The crowd of a bundle: a scene of one group that walks about on a plain.
 
-use crate::bundle::OpenBundle;
-use crate::run::SceneRun;
+use crate::{bundle::OpenBundle, run::SceneRun};
 use std::sync::Arc;
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME};
 use throng_core::{Error, Result};

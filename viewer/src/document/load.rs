@@ -7,11 +7,8 @@ use super::{
 };
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
-use throng_precompute::config::BuildConfig;
-use throng_precompute::progress::Progress;
 use throng_precompute::run::{BuildContext, News, ensure_motion, is_motion, motion_name};
-use throng_precompute::stitch::WorldSource;
-use throng_precompute::{import, plans, verdict};
+use throng_precompute::{config::BuildConfig, import, plans, progress::Progress, stitch::WorldSource, verdict};
 use throng_simulation::Scene;
 
 /// Extension of a file, in lower case.

@@ -3,8 +3,7 @@
 use crate::render::WornMesh;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use throng_precompute::import::ImportConfig;
-use throng_precompute::wearer::SkinnedFigure;
+use throng_precompute::{import::ImportConfig, wearer::SkinnedFigure};
 
 /// A character of the user's own.
 pub struct UserOutfit {

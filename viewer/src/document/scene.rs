@@ -1,25 +1,19 @@
 //! A scene: its file, its bundles and worlds, and its run.
 
-use super::background::Background;
-use super::crowd;
 use super::obstacles::{DOOR_M, mesh_of};
-use super::world::unit_mesh;
+use super::{background::Background, crowd, world::unit_mesh};
 use crate::bundle::OpenBundle;
 use crate::render::{Ray, SolidMesh, upright};
 use crate::run::{PolicyChooser, SceneChoice, SceneRun};
 use glam::{Quat, Vec2, Vec3};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 use throng_core::base::file::{MAX_SNAPSHOT_BYTES, read_file};
-use throng_core::body::HeightField;
-use throng_core::patch::Placement;
+use throng_core::{body::HeightField, patch::Placement};
 use throng_crowd::Obstacle;
 use throng_level::Level;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::files::write_atomically;
 use throng_precompute::run::{BuildContext, ensure_scene, obstacle_in_world, policy_characters};
-use throng_precompute::stitch::StitchKit;
+use throng_precompute::{config::BuildConfig, files::write_atomically, stitch::StitchKit};
 use throng_simulation::{AnyCharacterGroup, CompiledScene, GroupMotion, Scene};
 
 /// Most characters that a scene may be restarted with from the viewer.

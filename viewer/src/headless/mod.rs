@@ -9,16 +9,13 @@ mod screen;
 pub use frame_figures::FrameFigures;
 pub use screen::Screen;
 
-use crate::app::Viewer;
 use crate::args::{Args, PICTURE_FRAMES, PanelChoice, PictureSize};
-use crate::model::FrameTimes;
-use crate::run::STEP_HZ;
+use crate::{app::Viewer, model::FrameTimes, run::STEP_HZ};
 use eframe::egui;
 use image::RgbImage;
 use serde::Serialize;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::{io::Cursor, time::Instant};
 use throng_precompute::BuildError;
 use throng_precompute::files::{check_target, write_atomically};
 

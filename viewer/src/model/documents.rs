@@ -1,11 +1,9 @@
 //! Opens documents, reads them again, and replaces the shown one.
 
 use super::{ClipPlayer, Model, Selection};
-use crate::bundle::OpenBundle;
 use crate::command::{ViewStage, WorldSelection};
 use crate::document::{BundleDocument, FileStamp, FileWatch, OpenDocument, SceneDocument, ShownBuild};
-use crate::run::BlendRun;
-use crate::settings::PanelKind;
+use crate::{bundle::OpenBundle, run::BlendRun, settings::PanelKind};
 use eframe::egui;
 use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};

@@ -11,9 +11,7 @@ pub use lag::Lags;
 use lag::Twin;
 use std::f32::consts::PI;
 use throng_base::thresholds::{RUN_SPEED_MPS, WALK_SPEED_MPS};
-use throng_core::blend::axis;
-use throng_core::planar::wrap_angle;
-use throng_core::{Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Mat3x4, NUM_JOINTS, Planar, blend::axis, planar::wrap_angle};
 use throng_world::inhabitants::InhabitantGoal;
 
 /// Distance of a policy's target ahead of the steered character, when walking and when running (m).

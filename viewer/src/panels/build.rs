@@ -8,8 +8,7 @@ use crate::theme::ThemePalette;
 use eframe::egui::{
     Align, Align2, Area, Frame, Id, Label, Layout, Margin, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2,
 };
-use throng_precompute::run::News;
-use throng_precompute::verdict::Verdict;
+use throng_precompute::{run::News, verdict::Verdict};
 
 /// Width over the 3-D view (points).
 const WIDTH: f32 = 430.0;

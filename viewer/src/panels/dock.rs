@@ -1,10 +1,8 @@
 //! Docks of panels: tabs, and the open panel.
 
-use super::paint::PanelWidget;
-use super::{PANELS, PanelStates};
+use super::{PANELS, PanelStates, paint::PanelWidget};
 use crate::command::{Commands, ViewerCommand};
-use crate::model::Model;
-use crate::settings::Dock;
+use crate::{model::Model, settings::Dock};
 use eframe::egui::{self, Ui};
 
 /// Shows the tabs of a dock, and the panel that is open.

@@ -1,8 +1,6 @@
 //! Glitches of recordings, for every view of a clip over time: frames, colours and descriptions.
 
-use crate::document::RawMotion;
-use crate::model::Model;
-use crate::theme::ThemePalette;
+use crate::{document::RawMotion, model::Model, theme::ThemePalette};
 use eframe::egui::Color32;
 use std::ops::Range;
 use throng_core::format::ClipMeta;

@@ -2,9 +2,7 @@
 
 use super::PANELS;
 use crate::command::{SteerCommand, ViewerCommand, WorldCommand};
-use crate::model::Model;
-use crate::run::STEP_HZ;
-use crate::settings::ViewerSettings;
+use crate::{model::Model, run::STEP_HZ, settings::ViewerSettings};
 use KeyAction::{Ask, Change, Help, Open};
 use ViewerCommand::{FrameAll, Play, Reload, Restart, Seek, SelectCharacter, Speed, Stage, Steer, Step, World};
 use eframe::egui::{self, Grid, Key, Modal, Modifiers, RichText, ThemePreference, Ui};

@@ -26,11 +26,8 @@ pub mod transport;
 pub mod viewport;
 pub mod words;
 
-use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
-use crate::model::Model;
-use crate::render::Rgba;
-use crate::settings::PanelKind;
+use crate::{bundle::OpenBundle, model::Model, render::Rgba, settings::PanelKind};
 use eframe::egui::{Color32, DragValue, Key, Response, Ui};
 use paint::PanelWidget;
 

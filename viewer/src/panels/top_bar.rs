@@ -1,8 +1,6 @@
 //! The bar at the top: file, view, panels, help.
 
-use super::paint::PanelWidget;
-use super::words::counted;
-use super::{PANELS, PanelStates, SystemDialog};
+use super::{PANELS, PanelStates, SystemDialog, paint::PanelWidget, words::counted};
 use crate::command::{Commands, ViewStage, ViewerCommand};
 use crate::document::{OpenDocument, path_list};
 use crate::model::{Model, name_of};

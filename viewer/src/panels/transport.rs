@@ -3,9 +3,7 @@
 use super::glitches::{self, GlitchMark};
 use super::paint::PanelWidget;
 use crate::command::{Commands, ViewerCommand};
-use crate::model::Model;
-use crate::run::STEP_HZ;
-use crate::theme::ThemePalette;
+use crate::{model::Model, run::STEP_HZ, theme::ThemePalette};
 use eframe::egui::{self, Button, Label, Rangef, Rect, Response, RichText, Role, Slider, Ui, remap, vec2};
 
 /// Input of the bar: from the run or from the clip.

@@ -4,15 +4,12 @@ pub mod steer;
 pub mod task;
 pub mod world;
 
-use super::paint::PanelWidget;
-use super::{build, messages, words};
+use super::{build, messages, paint::PanelWidget, words};
 use crate::command::{BlackboardCell, Commands, SceneCommand, SceneViewOptions, ViewerCommand};
-use crate::model::Model;
-use crate::panels::crowd::blackboards;
 use crate::render::{self, OrbitCamera, Ray};
 use crate::run::{RunInput, target_home};
-use crate::stage::agents::cell_at;
 use crate::stage::{self, StageLayout};
+use crate::{model::Model, panels::crowd::blackboards, stage::agents::cell_at};
 use eframe::egui::{self, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2};
 use glam::{Vec2, Vec3};
 use throng_simulation::AnyCharacterGroup;

@@ -3,16 +3,12 @@
 use super::cull::{self, Frustum};
 use super::device::{Gpu, GrowingBuffer};
 use super::mesh::{self, BodyStyle, LEVELS};
-use super::picking::world_position;
 use super::pipelines::{self, Layer, PipelineInput, PipelineRecipe};
-use super::worn_draws::WornDraws;
-use super::{OrbitCamera, RenderError, Result, Rgba, SceneFrame};
+use super::{OrbitCamera, RenderError, Result, Rgba, SceneFrame, picking::world_position, worn_draws::WornDraws};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use std::ops::Range;
-use std::sync::Arc;
-use throng_core::characters::PoseInstance;
-use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use std::{ops::Range, sync::Arc};
+use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton, characters::PoseInstance};
 use wgpu::{BindGroup, BindGroupLayout, Device, Face, Queue, RenderPass, RenderPipeline};
 
 /// From these heights in pixels on, a body is drawn at a level of detail, finest first; below, at the coarsest.

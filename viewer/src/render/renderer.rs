@@ -1,13 +1,11 @@
 //! The whole view: upload a scene, then draw it from a camera.
 
 use super::characters::{CharacterDraws, CharacterInstance, RecordInstance};
-use super::device::Gpu;
 use super::mesh::{BodyStyle, LEVELS};
 use super::offscreen::{Offscreen, RenderTargets};
 use super::pipelines::{self, Layer, PipelineInput, PipelineOutput, PipelineRecipe};
-use super::shape_draws::ShapeDraws;
-use super::solid_draws::SolidDraws;
 use super::{OrbitCamera, RenderError, Result, Rgba, SceneColours, ShapeList, Solids, WornFrame};
+use super::{device::Gpu, shape_draws::ShapeDraws, solid_draws::SolidDraws};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;

@@ -1,9 +1,8 @@
 //! Draws a list of shapes: one instanced draw for each kind.
 
-use super::characters::GpuMesh;
 use super::device::{Gpu, GrowingBuffer};
 use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
-use super::{Result, ShapeList};
+use super::{Result, ShapeList, characters::GpuMesh};
 use bytemuck::{Pod, Zeroable};
 use std::f32::consts::{PI, TAU};
 use wgpu::{BindGroupLayout, BufferUsages, RenderPass, RenderPipeline};

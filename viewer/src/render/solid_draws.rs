@@ -5,8 +5,7 @@ use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
 use super::solids::{SolidInstance, SolidMesh};
 use super::{Result, Rgba, Solids};
 use bytemuck::{Pod, Zeroable};
-use std::ops::Range;
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 use wgpu::{BindGroupLayout, BufferUsages, Device, RenderPipeline};
 
 /// The struct `SolidIn` of `shaders/solids.wgsl`, but for the corner.

@@ -1,7 +1,6 @@
 //! Things that stand in the world: meshes of boxes, bars and triangles, each made once and drawn in many places.
 
-use super::shape_draws::round_mesh;
-use super::{Ray, Rgba};
+use super::{Ray, Rgba, shape_draws::round_mesh};
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use std::sync::Arc;

@@ -1,13 +1,11 @@
 //! Draws characters of the user's own.
 
-use super::Result;
 use super::characters::{GpuMesh, draw_levels, layer_pipelines};
 use super::device::{Gpu, GrowingBuffer};
-use super::mesh::LEVELS;
 use super::pipelines::{self, Layer, PipelineInput};
 use super::worn_mesh::{TEXTURE_PX, WornMesh};
-use std::ops::Range;
-use std::sync::Arc;
+use super::{Result, mesh::LEVELS};
+use std::{ops::Range, sync::Arc};
 use throng_core::Mat3x4;
 use wgpu::util::{DeviceExt, TextureDataOrder};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, Buffer, Device, RenderPass, RenderPipeline};

@@ -4,10 +4,8 @@ use super::mesh::LEVELS;
 use bytemuck::{Pod, Zeroable};
 use eframe::egui::ecolor::gamma_u8_from_linear_f32;
 use glam::Vec3;
-use image::imageops::FilterType;
-use image::{ImageFormat, ImageReader, Limits, RgbaImage};
-use std::collections::HashMap;
-use std::io::Cursor;
+use image::{ImageFormat, ImageReader, Limits, RgbaImage, imageops::FilterType};
+use std::{collections::HashMap, io::Cursor};
 use throng_base::error::ensure;
 use throng_precompute::wearer::{Material, SkinnedFigure, SurfaceCorner};
 

@@ -1,8 +1,6 @@
 //! A blended character: at a point of a parameter box, on the path that belongs to the point.
 
-use super::STEP_HZ;
-use super::blending::Blending;
-use super::reel::Reel;
+use super::{STEP_HZ, blending::Blending, reel::Reel};
 use crate::bundle::OpenBundle;
 use glam::Vec2;
 use throng_core::blend::{BlendSpace, MAX_AXES, axis};

@@ -3,8 +3,7 @@
 use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
-use throng_core::Planar;
-use throng_core::characters::Characters;
+use throng_core::{Planar, characters::Characters};
 
 /// Subject of a behaviour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

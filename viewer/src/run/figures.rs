@@ -1,8 +1,7 @@
 //! Figures of every step.
 
 use glam::Vec3;
-use throng_core::CharacterGroup;
-use throng_core::characters::Blow;
+use throng_core::{CharacterGroup, characters::Blow};
 use throng_precompute::run::{AgentsSummary, policy_characters};
 use throng_precompute::slip::SlipMeter;
 use throng_simulation::sparring::{BlowTally, StruckPart};

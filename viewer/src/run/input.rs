@@ -3,8 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_crowd::Scheme;
-use throng_simulation::Scene;
-use throng_simulation::scene::engine;
+use throng_simulation::{Scene, scene::engine};
 use throng_world::inhabitants::InhabitantGoal;
 
 /// Farthest from the origin that a target may be moved (m).

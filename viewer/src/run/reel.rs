@@ -1,9 +1,8 @@
 //! Moments of a run that are kept as they were seen, and the play head that goes over them.
 
 use super::STEP_HZ;
-use std::collections::VecDeque;
-use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
+use std::{collections::VecDeque, ops::RangeInclusive};
 
 /// Longest time that is spent on the steps of a frame, at least one step apart.
 const BUDGET: Duration = Duration::from_millis(50);

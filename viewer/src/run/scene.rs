@@ -8,14 +8,11 @@ mod state;
 pub use state::{detail_level, is_at_target, target_home};
 
 use super::agents::{AgentEvent, AgentEventKind, EventLog, OtherParty, SpreadLog, StateEntry, first_agent};
-use super::choices::RunGoal;
 use super::figures::{BlowMark, StepFigures, record_blows};
-use super::reel::PlayHead;
-use super::{RunInput, STEP_HZ};
+use super::{RunInput, STEP_HZ, choices::RunGoal, reel::PlayHead};
 use glam::{Vec2, Vec3};
 use state::SceneRunState;
-use std::collections::VecDeque;
-use std::time::Instant;
+use std::{collections::VecDeque, time::Instant};
 use throng_core::Result;
 use throng_crowd::{CrowdEvent, Space};
 use throng_precompute::run::policy_characters;

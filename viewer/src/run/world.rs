@@ -3,13 +3,11 @@
 //! Poses are recorded, not steps: the state of a planner is too large to be kept every second. Recorded moments can be
 //! shown again; orders are given at the last step only.
 
-use super::STEP_HZ;
-use super::reel::Reel;
+use super::{STEP_HZ, reel::Reel};
 use crate::render::picking::world_position;
 use glam::Vec3;
 use std::time::Instant;
-use throng_core::characters::CharactersConfig;
-use throng_core::{CharacterGroup, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result};
+use throng_core::{CharacterGroup, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result, characters::CharactersConfig};
 use throng_world::inhabitants::{InhabitantGoal, InhabitantState, Inhabitants, InhabitantsConfig};
 use throng_world::{World, WorldNode};
 

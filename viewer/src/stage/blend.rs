@@ -1,10 +1,9 @@
 //! A character walking in a blend space: the body, the path so far, and the arc of the blended point.
 
 use super::{StageLayout, StagePalette, body, cues};
-use crate::bundle::OpenBundle;
 use crate::render::{CharacterInstance, Rgba};
 use crate::run::{BlendCompanions, BlendMoment, BlendRun};
-use crate::settings::Overlays;
+use crate::{bundle::OpenBundle, settings::Overlays};
 use glam::Vec3;
 use throng_core::{NUM_JOINTS, Planar};
 

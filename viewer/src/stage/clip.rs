@@ -1,14 +1,10 @@
 //! A clip of the database, with poses before and after the play head; a motion file: what was recorded, and what a build makes of it.
 
 use super::{StageLayout, StagePalette, cues};
-use crate::bundle::OpenBundle;
-use crate::document::RawMotion;
-use crate::model::Model;
-use crate::render::CharacterInstance;
 use crate::render::mesh::BodySide;
+use crate::{bundle::OpenBundle, document::RawMotion, model::Model, render::CharacterInstance};
 use glam::Vec3;
-use throng_core::characters::SampleJob;
-use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, characters::SampleJob};
 
 /// Time between two poses of the onion skin (s).
 const SKIN_EVERY_S: f32 = 0.4;

@@ -1,10 +1,8 @@
 //! Cues on bodies: contacts, joint axes, colours of categories.
 
 use super::StagePalette;
-use crate::bundle::OpenBundle;
-use crate::model::Model;
 use crate::render::{Rgba, ShapeList};
-use crate::settings::Overlays;
+use crate::{bundle::OpenBundle, model::Model, settings::Overlays};
 use glam::Vec3;
 use throng_core::{Contacts, Mat3x4, Planar};
 use throng_precompute::annotate::contacts::FOOT_PARTS;

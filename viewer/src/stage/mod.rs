@@ -11,9 +11,8 @@ pub mod task;
 mod variety;
 pub mod world;
 
-use crate::document::OpenDocument;
-use crate::model::Model;
 use crate::render::{CharacterInstance, RecordInstance, Rgba, ShapeList, Solids};
+use crate::{document::OpenDocument, model::Model};
 use std::sync::Arc;
 use throng_core::{Mat3x4, Skeleton};
 

@@ -3,20 +3,15 @@
 use super::agents::{self, Brush};
 use super::{StageLayout, StagePalette, body, bout, cues, variety, world};
 use crate::document::{SceneDocument, SceneSurroundings};
-use crate::model::Model;
 use crate::render::{CharacterInstance, OrbitCamera, Ray, RecordInstance, Rgba, SolidInstance};
-use crate::run::agents::first_agent;
 use crate::run::{PolicyChooser, detail_level, is_at_target};
-use crate::settings::Colouring;
+use crate::{model::Model, run::agents::first_agent, settings::Colouring};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use throng_base::thresholds::{AGENT_RADIUS_M, RUN_SPEED_MPS};
-use throng_core::characters::DetailLevel;
-use throng_core::patch::Placement;
+use throng_core::{characters::DetailLevel, patch::Placement};
 use throng_precompute::run::policy_characters;
-use throng_simulation::agents::Disc;
-use throng_simulation::scenario::AgentBrains;
-use throng_simulation::{AnyCharacterGroup, Simulation};
+use throng_simulation::{AnyCharacterGroup, Simulation, agents::Disc, scenario::AgentBrains};
 
 /// Most characters for which cues of all are drawn.
 const MAX_CUES: usize = 1500;

@@ -1,16 +1,13 @@
 //! A task of limbs: characters and things at the play head, other motions, paths of hands, and the trees of searches.
 
 use super::{StageLayout, StagePalette, cues};
-use crate::document::TaskDocument;
-use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SolidInstance};
+use crate::{document::TaskDocument, model::Model};
 use glam::DVec3;
 use std::sync::Arc;
 use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
-use throng_planner::linkage::Chain;
-use throng_planner::rotation::Rigid;
-use throng_planner::search::LoggedTrees;
 use throng_planner::task::{Handle, StepOutcome};
+use throng_planner::{linkage::Chain, rotation::Rigid, search::LoggedTrees};
 use throng_precompute::Clip;
 
 /// Colours of things, by their number.

@@ -6,10 +6,8 @@
 
 use super::StageLayout;
 use super::body::{self, Stretch, body_of_pose};
-use crate::document::UserOutfit;
-use crate::model::Model;
 use crate::render::{BodyStyle, Rgba};
-use crate::settings::Colouring;
+use crate::{document::UserOutfit, model::Model, settings::Colouring};
 use glam::{Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;

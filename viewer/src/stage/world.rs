@@ -1,17 +1,13 @@
 //! A world: its units, its inhabitants, and the selected patch.
 
 use super::{StageLayout, StagePalette, cues};
-use crate::command::Tool;
-use crate::document::WorldDocument;
-use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SolidInstance};
-use crate::settings::Colouring;
+use crate::{command::Tool, document::WorldDocument, model::Model, settings::Colouring};
 use glam::Vec3;
 use throng_core::patch::{CellRecord, KIND_TILE, Placement};
 use throng_geometry::BoundingBox;
 use throng_precompute::environment::PlacedUnit;
-use throng_world::inhabitants::InhabitantActivity;
-use throng_world::{WorldNode, WorldStep};
+use throng_world::{WorldNode, WorldStep, inhabitants::InhabitantActivity};
 
 /// Length of trails (s).
 const TRAIL_S: f32 = 6.0;

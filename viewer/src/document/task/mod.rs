@@ -10,14 +10,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_core::base::text::TomlSource;
 use throng_geometry::SolidShape;
-use throng_planner::planner::Planners;
-use throng_planner::rotation::Rigid;
 use throng_planner::task::{ActorClip, Handle, Task, TaskOutcome, TaskScenery, TaskThing};
-use throng_precompute::Clip;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::files::write_atomically;
+use throng_planner::{planner::Planners, rotation::Rigid};
 use throng_precompute::plans::{self, PlanReport, TaskSources};
-use throng_precompute::run::BuildContext;
+use throng_precompute::{Clip, config::BuildConfig, files::write_atomically, run::BuildContext};
 
 /// Things are carried where they are farther than this from where they would be by themselves (m).
 const CARRIED_M: f64 = 1e-4;

@@ -3,11 +3,8 @@
 use super::WorldDocument;
 use super::orders::{EditorOrder, UnitChange, ended_message, work_name};
 use super::worker::{EditJob, EditOutcome, EditResult, StitchedWorld, place_roamers};
-use crate::document::background::Background;
-use crate::run::SceneChoice;
-use std::collections::VecDeque;
-use std::path::Path;
-use std::sync::Arc;
+use crate::{document::background::Background, run::SceneChoice};
+use std::{collections::VecDeque, path::Path, sync::Arc};
 use throng_core::patch::Placement;
 use throng_precompute::environment::PlacedUnit;
 use throng_world::inhabitants::InhabitantGoal;

@@ -3,9 +3,8 @@
 use crate::bundle::OpenBundle;
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
-use throng_precompute::environment::Environment;
-use throng_precompute::progress::Silent;
 use throng_precompute::stitch::{Editor, StitchConfig, StitchKit};
+use throng_precompute::{environment::Environment, progress::Silent};
 use throng_world::{World, WorldData};
 
 /// Work for the thread of an editor.

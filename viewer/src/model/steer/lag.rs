@@ -1,8 +1,7 @@
 //! Delay from a key press to a visible change: a twin without the key press runs beside the steered character.
 
-use crate::bundle::OpenBundle;
-use crate::command::SteerInput;
 use crate::run::{BlendRun, RunInput, SceneFork, SceneRun, target_home};
+use crate::{bundle::OpenBundle, command::SteerInput};
 use glam::Vec3;
 use throng_core::{Mat3x4, NUM_JOINTS, Planar};
 

@@ -4,8 +4,7 @@ use super::plane::{MapPlane, unit};
 use super::surface::{self, SurfaceKey, WeightSurface};
 use super::{BlendPanelInput, BlendPanelState, describe_example, weight_colour};
 use crate::panels::paint::{PanelWidget, legend};
-use crate::run::Blending;
-use crate::theme::ThemePalette;
+use crate::{run::Blending, theme::ThemePalette};
 use eframe::egui::{
     Align2, Color32, EventFilter, FontId, Key, Modifiers, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
     StrokeKind, Ui, Visuals, pos2, vec2,

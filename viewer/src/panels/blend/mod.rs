@@ -7,11 +7,9 @@ mod rows;
 mod surface;
 
 use super::paint::{PanelWidget, choose, empty, no_bundle};
-use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewStage, ViewerCommand};
-use crate::document::OpenDocument;
-use crate::model::Model;
 use crate::run::{BlendCompanions, BlendMoment, Blending, LEGS, SIZES};
+use crate::{bundle::OpenBundle, document::OpenDocument, model::Model};
 use eframe::egui::{Color32, Grid, Slider, Ui, WidgetInfo};
 use plane::{MapAxes, unit};
 use surface::WeightSurface;

@@ -1,8 +1,7 @@
 //! The examples of the blend: weights as bars, and when their feet stand over generic time.
 
 use super::{BlendPanelInput, BlendPanelState, describe_example, weight_colour};
-use crate::panels::paint::PanelWidget;
-use crate::theme::ThemePalette;
+use crate::{panels::paint::PanelWidget, theme::ThemePalette};
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rangef, Rect, Role, Sense, Stroke, StrokeKind, Ui, Visuals, pos2, vec2,
 };

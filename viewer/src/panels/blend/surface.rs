@@ -2,8 +2,7 @@
 
 use super::plane::MapPlane;
 use crate::theme::rgb;
-use eframe::egui::Color32;
-use eframe::egui::epaint::Mesh;
+use eframe::{egui::Color32, egui::epaint::Mesh};
 use std::sync::Arc;
 use throng_core::blend::{BlendSpace, MAX_AXES};
 

@@ -2,18 +2,16 @@
 
 use crate::command::{Commands, SceneCommand, SteerCommand, ViewerCommand};
 use crate::document::{MAX_SCENE_CHARACTERS, OpenDocument, SceneChoice, SceneDocument};
-use crate::model::Model;
 use crate::panels::paint::{PanelWidget, coordinates};
 use crate::panels::{character_field, offer_first_character, words};
 use crate::run::{MAX_TARGET_M, RunInput, target_home};
-use crate::settings::PanelKind;
+use crate::{model::Model, settings::PanelKind};
 use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui};
 use glam::Vec3;
 use std::path::PathBuf;
 use throng_crowd::Scheme;
-use throng_simulation::scene::engine;
-use throng_simulation::sparring::StruckPart;
 use throng_simulation::{AnyCharacterGroup, CharacterEvent, Simulation, SimulationEvent};
+use throng_simulation::{scene::engine, sparring::StruckPart};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut SceneControlState, commands: &mut Commands) {

@@ -2,13 +2,11 @@
 
 use super::selected_brain;
 use crate::command::{Commands, ViewerCommand};
-use crate::document::SceneDocument;
-use crate::model::Model;
 use crate::panels::paint::{PanelWidget, facts, swatch};
 use crate::panels::{character_field, colour_of_view, words};
-use crate::render::Rgba;
 use crate::run::agents::{AgentDetails, FORCE_TERMS, agent_details, first_agent};
 use crate::stage::agents::{TAKEN, colour_of_force};
+use crate::{document::SceneDocument, model::Model, render::Rgba};
 use eframe::egui::{Color32, Grid, Rect, RichText, Sense, Ui, pos2, vec2};
 use glam::Vec3;
 use throng_base::thresholds::DIRECTION_SHOWN_MPS;

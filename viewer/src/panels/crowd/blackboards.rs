@@ -2,12 +2,8 @@
 
 use super::{options_command, swatch};
 use crate::command::{BlackboardCell, BlackboardFilter, Commands, ViewerCommand};
-use crate::document::SceneDocument;
-use crate::model::Model;
-use crate::panels::colour_of_view;
-use crate::panels::paint::PanelWidget;
-use crate::run::agents::first_agent;
-use crate::stage::agents::colour_of_message;
+use crate::{document::SceneDocument, model::Model, panels::colour_of_view, panels::paint::PanelWidget};
+use crate::{run::agents::first_agent, stage::agents::colour_of_message};
 use eframe::egui::{Role, ScrollArea, TextStyle, Ui};
 use throng_simulation::scenario::{AgentBrains, BlackboardPost};
 

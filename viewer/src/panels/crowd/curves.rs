@@ -2,13 +2,11 @@
 
 use super::{options_command, swatch};
 use crate::command::{Commands, ViewerCommand};
-use crate::document::SceneDocument;
-use crate::model::Model;
-use crate::panels::colour_of_view;
 use crate::panels::paint::{PanelWidget, fixed_plot};
 use crate::run::agents::{AgentEventKind, WINDOW_S};
 use crate::run::{RunInput, STEP_HZ};
 use crate::stage::agents::{colour_of_event, colour_of_message};
+use crate::{document::SceneDocument, model::Model, panels::colour_of_view};
 use eframe::egui::{Grid, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 use egui_plot::{AxisHints, Line, LineStyle, PlotPoints, VLine, uniform_grid_spacer};
 use throng_simulation::scenario::AgentBrains;

@@ -2,12 +2,9 @@
 
 use super::{CrowdPanelState, options_command};
 use crate::command::{Commands, ViewerCommand};
-use crate::document::SceneDocument;
-use crate::model::Model;
-use crate::panels::colour_of_view;
 use crate::panels::paint::{PanelWidget, choose};
 use crate::run::agents::{AgentEvent, AgentEventKind, EventFilter, OtherParty};
-use crate::stage::agents::colour_of_event;
+use crate::{document::SceneDocument, model::Model, panels::colour_of_view, stage::agents::colour_of_event};
 use eframe::egui::{Align2, Color32, Role, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
 
 /// Events that are listed at most.

@@ -9,15 +9,10 @@ mod graphs;
 use super::colour_of_view;
 use super::paint::{PanelWidget, empty, facts, section, swatch, time_text};
 use crate::command::{Commands, OverlayScope, SceneCommand, SceneViewOptions, ViewerCommand};
-use crate::document::SceneDocument;
-use crate::model::Model;
-use crate::run::agents::first_agent;
-use crate::settings::ViewerSettings;
-use crate::stage::agents::colour_of_group;
-use crate::theme::ThemePalette;
+use crate::{document::SceneDocument, model::Model, run::agents::first_agent, settings::ViewerSettings};
+use crate::{stage::agents::colour_of_group, theme::ThemePalette};
 use eframe::egui::{Grid, RichText, Role, Ui};
-use throng_simulation::AnyCharacterGroup;
-use throng_simulation::scenario::AgentBrains;
+use throng_simulation::{AnyCharacterGroup, scenario::AgentBrains};
 
 /// State of the panel.
 #[derive(Clone, Debug, Default)]

@@ -1,11 +1,9 @@
 //! The lanes of a timeline: contacts, tags, excluded and played frames, states, actions.
 
-use super::strip::PoseSource;
-use super::timeline::TimelineInput;
 use super::track::{NamedRun, StateMark, TimelineTrack};
-use crate::panels::glitches;
+use super::{strip::PoseSource, timeline::TimelineInput};
 use crate::panels::paint::{FrameAxis, hatch};
-use crate::theme::ThemePalette;
+use crate::{panels::glitches, theme::ThemePalette};
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Ui, Visuals,
     epaint::CubicBezierShape, pos2, vec2,

@@ -1,13 +1,10 @@
 //! The list of clips, with a search field.
 
-use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
-use crate::model::Model;
 use crate::panels::paint::{RowTable, TableCell, TableColumn, TableSort, time_text};
+use crate::{bundle::OpenBundle, model::Model};
 use eframe::egui::{Button, Label, RichText, TextEdit, Ui};
-use std::cmp::Ordering;
-use std::collections::BTreeSet;
-use std::ops::Range;
+use std::{cmp::Ordering, collections::BTreeSet, ops::Range};
 use throng_core::format::{ClipMeta, ClipRecord};
 use throng_precompute::abilities::played_frames;
 

@@ -7,14 +7,10 @@ mod timeline;
 mod track;
 
 use super::paint::{TableSort, no_bundle, time_text};
-use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::document::{OpenDocument, RawMotion};
-use crate::model::Model;
-use crate::panels::graph::list::show_actions;
-use crate::panels::show_segment;
-use crate::panels::words::counted;
-use crate::theme::ThemePalette;
+use crate::{bundle::OpenBundle, model::Model, panels::graph::list::show_actions, panels::show_segment};
+use crate::{panels::words::counted, theme::ThemePalette};
 use eframe::egui::{Button, CentralPanel, Frame, Label, Panel, RichText, ScrollArea, Ui};
 use strip::PoseSource;
 use timeline::{TimelineInput, TimelineView};

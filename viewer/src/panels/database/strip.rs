@@ -1,10 +1,8 @@
 //! Poses of a clip at regular intervals along an axis, as an onion skin.
 
 use super::timeline::TimelineInput;
-use crate::bundle::OpenBundle;
-use crate::document::RawMotion;
 use crate::panels::paint::{FigureStyle, FrameAxis, figure_of_pose, paint_figure};
-use crate::theme::ThemePalette;
+use crate::{bundle::OpenBundle, document::RawMotion, theme::ThemePalette};
 use eframe::egui::{Painter, Pos2, Rect, Stroke, Ui, pos2, vec2};
 use glam::{Quat, Vec3};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar, Skeleton};

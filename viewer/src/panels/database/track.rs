@@ -1,13 +1,11 @@
 //! Data of a clip for a timeline: runs of frames and marks.
 
 use super::list::states_within;
-use crate::bundle::OpenBundle;
-use crate::document::RawMotion;
 use crate::panels::glitches::{self, GlitchMark};
+use crate::{bundle::OpenBundle, document::RawMotion};
 use std::ops::Range;
 use throng_core::Contacts;
-use throng_precompute::abilities::played_frames;
-use throng_precompute::clip;
+use throng_precompute::{abilities::played_frames, clip};
 
 /// The four parts of the feet, from the top lane to the bottom one.
 pub const FEET: [(Contacts, &str); 4] = [

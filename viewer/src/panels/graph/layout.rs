@@ -1,8 +1,7 @@
 //! Layout of clips, segments and states: along time, clips packed into rows.
 
 use std::ops::Range;
-use throng_core::Bundle;
-use throng_core::graph::MotionSegment;
+use throng_core::{Bundle, graph::MotionSegment};
 
 /// Rows aimed at; a clip that is longer than its share makes them longer instead.
 const ROWS: std::ops::RangeInclusive<f32> = 3.0..=14.0;

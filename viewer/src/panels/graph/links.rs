@@ -1,8 +1,7 @@
 //! Actions as links between states, and figures of a motion graph.
 
 use eframe::egui::Ui;
-use throng_core::Bundle;
-use throng_core::graph::MotionGraph;
+use throng_core::{Bundle, graph::MotionGraph};
 
 /// An action, by the state that may take it.
 #[derive(Clone, Copy, Debug, PartialEq)]

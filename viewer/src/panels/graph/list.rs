@@ -2,12 +2,10 @@
 
 use super::GraphPanelState;
 use super::links::{ActionLink, outgoing};
-use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
-use crate::model::Model;
 use crate::panels::paint::{PanelWidget, RowClick, RowTable, TableCell, TableColumn, TableSort, least_width};
 use crate::panels::{clip_frame, show_segment, words};
-use crate::run::RunInput;
+use crate::{bundle::OpenBundle, model::Model, run::RunInput};
 use eframe::egui::{Response, Ui};
 use std::cmp::Ordering;
 use throng_core::Planar;

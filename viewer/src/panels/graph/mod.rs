@@ -6,12 +6,10 @@ pub(super) mod links;
 pub(super) mod list;
 mod view;
 
-use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
-use crate::model::Model;
-use crate::panels::clip_frame;
 use crate::panels::paint::{PanelWidget, TableSort, legend};
 use crate::theme::{ThemePalette, viridis};
+use crate::{bundle::OpenBundle, model::Model, panels::clip_frame};
 use draw::GraphDrawing;
 use eframe::egui::{Align, CursorIcon, Layout as UiLayout, Rect, Response, Role, Sense, TextEdit, Ui, UiBuilder, Vec2};
 use layout::GraphLayout;

@@ -4,24 +4,18 @@ mod collection;
 mod plot;
 
 use super::paint::{PanelWidget, TableSort, choose, empty, figure_of_pose, legend, no_bundle};
-use super::policy::behaviour_name;
-use super::{clip_frame, words};
-use crate::bundle::OpenBundle;
+use super::{clip_frame, policy::behaviour_name, words};
 use crate::command::{Commands, ViewerCommand};
-use crate::model::Model;
 use crate::theme::{ThemePalette, viridis};
-use crate::volume::Volume;
+use crate::{bundle::OpenBundle, model::Model, volume::Volume};
 use collection::{HitFilter, HitRanges, joint_name, moment};
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{CentralPanel, Color32, Frame, Panel, Response, RichText, Role, Sense, Ui, Visuals};
 use glam::{Vec2, Vec3};
 use plot::{HitBounds, HitViewPlace};
-use std::collections::BTreeSet;
-use std::iter::once;
-use throng_core::Joint;
-use throng_core::policy::PolicyTable;
-use throng_precompute::annotate::hits::HitPoint;
-use throng_precompute::picture::BodyFigure;
+use std::{collections::BTreeSet, iter::once};
+use throng_core::{Joint, policy::PolicyTable};
+use throng_precompute::{annotate::hits::HitPoint, picture::BodyFigure};
 
 /// Width from which on the list lies beside the views (points).
 const WIDE: f32 = 700.0;

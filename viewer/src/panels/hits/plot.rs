@@ -8,8 +8,7 @@ use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Visuals, pos2, vec2,
 };
 use glam::{Vec2, Vec3};
-use std::f32::consts::TAU;
-use std::ops::RangeInclusive;
+use std::{f32::consts::TAU, ops::RangeInclusive};
 use throng_precompute::annotate::hits::HitPoint;
 
 /// Radius of a hit (points).

@@ -1,14 +1,11 @@
 //! The selected inhabitant: its activity, its planned path, and its orders.
 
-use super::PatchesPanelState;
-use super::facts::unit;
+use super::{PatchesPanelState, facts::unit};
 use crate::command::{Commands, SceneCommand, ViewerCommand};
 use crate::document::{SceneChoice, WorldDocument};
-use crate::model::Model;
 use crate::panels::paint::{PanelWidget, facts};
 use crate::panels::{character_field, colour_of_view, offer_first_character, words};
-use crate::run::RunInput;
-use crate::stage::world::KINDS;
+use crate::{model::Model, run::RunInput, stage::world::KINDS};
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, DragValue, FontSelection, Label, RichText, Ui};
 use throng_world::inhabitants::{InhabitantActivity, InhabitantGoal};

@@ -2,10 +2,8 @@
 
 use super::PatchesPanelState;
 use crate::command::{Commands, Tool, ViewerCommand, WorldCommand};
-use crate::document::WorldDocument;
-use crate::document::world::UnitChange;
-use crate::model::Model;
 use crate::panels::paint::{PanelWidget, choose, coordinates};
+use crate::{document::WorldDocument, document::world::UnitChange, model::Model};
 use eframe::egui::{Button, DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 use throng_core::patch::Placement;

@@ -1,11 +1,10 @@
 //! Figures of an instance of a patch, and its disabled links as a list.
 
 use crate::command::{Commands, ViewerCommand, WorldCommand};
-use crate::document::WorldDocument;
-use crate::model::Model;
 use crate::panels::paint::{self, RowClick, RowTable, TableCell, TableColumn};
 use crate::panels::{colour_of_view, moment};
 use crate::stage::world::{DISABLED, ENABLED};
+use crate::{document::WorldDocument, model::Model};
 use eframe::egui::{CollapsingHeader, Ui, vec2};
 use throng_core::patch::CellRecord;
 use throng_precompute::stitch::{InstanceItem, RemovalReason};

@@ -5,9 +5,7 @@ mod edit;
 mod facts;
 
 use crate::command::{Commands, Tool, ViewerCommand, WorldCommand};
-use crate::document::WorldDocument;
-use crate::model::Model;
-use crate::panels::paint::PanelWidget;
+use crate::{document::WorldDocument, model::Model, panels::paint::PanelWidget};
 use eframe::egui::{Button, Ui};
 use facts::InstanceFacts;
 use throng_precompute::stitch::InstanceItem;

@@ -1,13 +1,10 @@
 //! Timeline of a task: when limbs leave the clip, reach, and are back; below it the trees of the searches and the
 //! paths of hands, one direction of space over time.
 
-use crate::command::PlanViewOptions;
-use crate::document::TaskDocument;
-use crate::model::Model;
-use crate::panels::colour_of_view;
 use crate::panels::paint::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
 use crate::stage::task::{TREES, colour_of_node, end_of_limb, inspected_steps};
 use crate::theme::ThemePalette;
+use crate::{command::PlanViewOptions, document::TaskDocument, model::Model, panels::colour_of_view};
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, Visuals, pos2, vec2};
 use glam::DVec3;

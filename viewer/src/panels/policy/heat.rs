@@ -5,11 +5,8 @@ use crate::theme::viridis;
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Color32, Pos2, Rect, vec2};
 use glam::Vec2;
-use std::collections::HashSet;
-use std::f32::consts::TAU;
-use std::sync::Arc;
-use throng_core::graph::MotionGraph;
-use throng_core::policy::PolicyTable;
+use std::{collections::HashSet, f32::consts::TAU, sync::Arc};
+use throng_core::{graph::MotionGraph, policy::PolicyTable};
 
 /// Longest piece of an arc that is drawn straight (rad).
 const ARC: f32 = TAU / 90.0;

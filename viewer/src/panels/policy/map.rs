@@ -1,15 +1,11 @@
 //! The map: values around the character, the target, and where actions lead.
 
-use super::PolicyPanelState;
-use super::chart::PolicyChart;
 use super::heat::{HeatKey, HeatPicture, MapProjection};
-use super::why::behaviour_name;
-use crate::bundle::OpenBundle;
+use super::{PolicyPanelState, chart::PolicyChart, why::behaviour_name};
 use crate::panels::paint::{PanelWidget, legend};
-use crate::panels::words;
 use crate::run::{ActionCandidate, ChoiceReason};
 use crate::theme::{ThemePalette, viridis};
-use crate::volume::Volume;
+use crate::{bundle::OpenBundle, panels::words, volume::Volume};
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Slider, Stroke, StrokeKind, Ui,
     Vec2 as Span, pos2, vec2,

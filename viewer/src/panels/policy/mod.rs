@@ -5,12 +5,9 @@ mod heat;
 mod map;
 mod why;
 
-use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
-use crate::model::Model;
-use crate::panels::clip_frame;
-use crate::panels::paint::PanelWidget;
 use crate::run::{GoalSubject, explain_choice};
+use crate::{bundle::OpenBundle, model::Model, panels::clip_frame, panels::paint::PanelWidget};
 use eframe::egui::{ComboBox, Ui};
 use glam::{Vec2, Vec3};
 use heat::HeatPicture;

@@ -1,13 +1,10 @@
 //! "Why this action?": the candidates of a choice with their scores.
 
 use super::PolicyPanelState;
-use crate::bundle::OpenBundle;
-use crate::command::Commands;
-use crate::model::Model;
 use crate::panels::paint::{PanelWidget, RowClick, RowTable, TableCell, TableColumn};
 use crate::panels::{clip_frame, offer_first_character, show_segment, words};
 use crate::run::{ActionCandidate, BehaviourScore, ChoiceReason, GoalSubject, PolicyChooser, STEP_HZ};
-use crate::theme::viridis;
+use crate::{bundle::OpenBundle, command::Commands, model::Model, theme::viridis};
 use eframe::egui::{DragValue, Response, Ui};
 use glam::Vec2;
 use throng_core::policy::{MAX_RANKED, RegionRecord};

@@ -2,18 +2,13 @@
 
 use super::{facts, section};
 use crate::command::{Commands, ViewerCommand};
-use crate::document::RawMotion;
-use crate::panels::build::marked;
-use crate::panels::glitches;
 use crate::panels::paint::{PanelWidget, time_text};
-use crate::panels::words::counted;
 use crate::theme::ThemePalette;
+use crate::{document::RawMotion, panels::build::marked, panels::glitches, panels::words::counted};
 use eframe::egui::{Color32, Frame, Grid, Label, RichText, Sense, Stroke, TextStyle, Ui, vec2};
 use throng_base::thresholds::{FOOT_PLANTED_MPS, FOOT_SLIDES_MPS};
 use throng_core::Joint;
-use throng_precompute::annotate::ContactSanity;
-use throng_precompute::inspect::ClipReport;
-use throng_precompute::stance::Grade;
+use throng_precompute::{annotate::ContactSanity, inspect::ClipReport, stance::Grade};
 
 /// Shows all that import found.
 pub fn show(ui: &mut Ui, raw: &RawMotion, commands: &mut Commands) {

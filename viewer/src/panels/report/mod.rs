@@ -3,10 +3,7 @@
 mod clip;
 
 use super::paint::{RowTable, TableCell, TableColumn, TableSort, no_bundle};
-use crate::bundle::OpenBundle;
-use crate::command::Commands;
-use crate::document::OpenDocument;
-use crate::model::Model;
+use crate::{bundle::OpenBundle, command::Commands, document::OpenDocument, model::Model};
 use eframe::egui::{Grid, Label, RichText, ScrollArea, TextEdit, TextWrapMode, Ui};
 use std::cmp::Ordering;
 use throng_core::format::SourceMeta;

@@ -4,11 +4,8 @@ mod demos;
 
 use super::{PanelStates, build};
 use crate::command::{Commands, ViewerCommand};
-use crate::document::path_list;
 use crate::model::{Model, name_of};
-use crate::panels::SystemDialog;
-use crate::panels::paint::PanelWidget;
-use crate::theme::ThemePalette;
+use crate::{document::path_list, panels::SystemDialog, panels::paint::PanelWidget, theme::ThemePalette};
 use eframe::egui::{Align, Button, Frame, Label, Layout, Link, Margin, RichText, ScrollArea, Shape, Stroke, Ui, vec2};
 use std::path::PathBuf;
 

@@ -1,10 +1,9 @@
 //! Measurements: time of a step and a frame, memory, foot slip, arrivals, blows.
 
-use crate::model::Model;
-use crate::panels::colour_of_view;
 use crate::panels::paint::{facts, fixed_plot, section, swatch};
 use crate::run::{BoutFigures, STEP_HZ, SceneRun, StepFigures};
 use crate::stage::bout::{KINDS, colour_of};
+use crate::{model::Model, panels::colour_of_view};
 use eframe::egui::{Color32, Grid, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
 use throng_core::Bundle;

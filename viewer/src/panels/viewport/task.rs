@@ -2,8 +2,7 @@
 
 use super::{ray_at, size, upright};
 use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
-use crate::model::Model;
-use crate::render::Ray;
+use crate::{model::Model, render::Ray};
 use eframe::egui::{CursorIcon, PointerButton, Pos2, Response};
 use glam::{Vec2, Vec3};
 use throng_planner::task::Handle;

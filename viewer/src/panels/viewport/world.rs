@@ -2,13 +2,9 @@
 
 use super::ray_at;
 use crate::command::{Commands, Tool, UnitDraft, ViewerCommand, WorldCommand};
-use crate::document::WorldDocument;
-use crate::document::world::UnitChange;
-use crate::model::Model;
-use crate::model::world::snapped;
 use crate::render::{self, Ray};
-use crate::run::RunInput;
-use crate::stage::StageLayout;
+use crate::{document::WorldDocument, document::world::UnitChange, model::Model, model::world::snapped};
+use crate::{run::RunInput, stage::StageLayout};
 use eframe::egui::{Context, CursorIcon, Key, PointerButton, Response, Ui};
 use glam::Vec3;
 use std::f32::consts::PI;

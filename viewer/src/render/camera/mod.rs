@@ -4,9 +4,8 @@ mod text;
 
 pub use text::CameraPreset;
 
-use glam::camera::rh::proj::directx::perspective_infinite_reverse;
-use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec2, Vec3};
+use glam::{camera::rh::proj::directx::perspective_infinite_reverse, camera::rh::view::look_to_mat4};
 use std::f32::consts::FRAC_PI_2;
 use throng_geometry::BoundingBox;
 

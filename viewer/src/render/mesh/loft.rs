@@ -2,8 +2,7 @@
 
 use super::{BodyMesh, BodySide, Influence, SurfacePart, Vertex};
 use glam::Vec3;
-use std::collections::BTreeMap;
-use std::f32::consts::TAU;
+use std::{collections::BTreeMap, f32::consts::TAU};
 
 /// A closed curve around a centre: an ellipse, or squarer.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,15 +7,12 @@ use crate::run::{RunInput, STEP_HZ};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use std::f32::consts::TAU;
-use std::ops::RangeInclusive;
-use std::sync::Arc;
+use std::{f32::consts::TAU, ops::RangeInclusive, sync::Arc};
 use throng_core::characters::{Detail, DetailLevel};
 use throng_core::{Executor as Threads, Inline, Rayon, Result, Skeleton};
 use throng_precompute::run::{AgentsMeter, policy_characters};
 use throng_precompute::slip::SlipMeter;
-use throng_simulation::sparring::NO_THREAT_S;
-use throng_simulation::{AnyCharacterGroup, Simulation};
+use throng_simulation::{AnyCharacterGroup, Simulation, sparring::NO_THREAT_S};
 
 /// Steps between two observations of all agents.
 const LOOK_EVERY: u32 = 2;

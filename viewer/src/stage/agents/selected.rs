@@ -1,10 +1,9 @@
 //! The selected agent: its bound, cells, stop region and forces.
 
 use super::{BOUND_Y, Brush};
-use crate::command::OverlayScope;
 use crate::render::{Rgba, ShapeList};
 use crate::run::agents::{AgentDetails, agent_bound, agent_details};
-use crate::stage::cues;
+use crate::{command::OverlayScope, stage::cues};
 use glam::Vec3;
 use throng_geometry::BoundingBox;
 use throng_simulation::Simulation;

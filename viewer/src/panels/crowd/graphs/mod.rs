@@ -4,11 +4,8 @@ mod layout;
 mod route;
 
 use super::selected_brain;
-use crate::document::SceneDocument;
-use crate::model::Model;
-use crate::panels::paint::PanelWidget;
 use crate::run::agents::{StateEntry, first_agent};
-use crate::theme::ThemePalette;
+use crate::{document::SceneDocument, model::Model, panels::paint::PanelWidget, theme::ThemePalette};
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Role, Sense, Shape as Drawn, Stroke, StrokeKind,
     TextStyle, Ui, Vec2, vec2,

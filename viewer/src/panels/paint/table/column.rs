@@ -4,8 +4,7 @@ use super::cell::{TableCell, paint_text};
 use super::{RowTable, place_rect};
 use crate::panels::paint::PanelWidget;
 use eframe::egui::{Color32, CursorIcon, FontId, Id, Rect, Role, Sense, Shape, Stroke, Ui, vec2};
-use std::cmp::Ordering;
-use std::ops::Range;
+use std::{cmp::Ordering, ops::Range};
 
 /// A column.
 #[derive(Clone, Copy, Debug)]
