@@ -1,9 +1,6 @@
 //! Writing planned motion back into clips.
 
-use crate::linkage::Limb;
-use crate::planner::LimbMotion;
-use crate::rotation::angle_between;
-use crate::setup::ProblemError;
+use crate::{linkage::Limb, planner::LimbMotion, rotation::angle_between, setup::ProblemError};
 use throng_core::NUM_JOINTS;
 use throng_motion::Clip;
 

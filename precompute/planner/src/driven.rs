@@ -1,9 +1,7 @@
 //! Bodies that an external motion drives: transforms of all joints over time (c^M(t) in the paper).
 
 use crate::linkage::{Limb, LimbPose};
-use crate::problem::LimbState;
-use crate::rotation::Rigid;
-use crate::track::SampleTimes;
+use crate::{problem::LimbState, rotation::Rigid, track::SampleTimes};
 use glam::{DQuat, DVec3};
 use throng_base::maths::slerp;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};

@@ -1,9 +1,8 @@
 //! Planning problems: a limb from one pose to another, in time with everything that moves.
 
-use crate::limits::JointLimits;
 use crate::linkage::{Chain, LIMB_JOINTS, LimbPose};
-use crate::rotation::Rigid;
 use crate::track::{MotionTrack, RigidPath};
+use crate::{limits::JointLimits, rotation::Rigid};
 use glam::DVec3;
 use throng_core::Joint;
 use throng_geometry::{Segment, SolidShape};

@@ -1,10 +1,8 @@
 //! Poses that reach a target among everything around: limits and collisions at once.
 
-use crate::collide::Checker;
 use crate::ik::{IkError, LimbIk, Swivel};
-use crate::linkage::LimbPose;
 use crate::problem::{LimbState, Problem};
-use crate::rotation::Rigid;
+use crate::{collide::Checker, linkage::LimbPose, rotation::Rigid};
 use glam::DVec3;
 
 impl Problem {

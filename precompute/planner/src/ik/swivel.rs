@@ -1,7 +1,6 @@
 //! Order in which swivel angles are tried.
 
-use std::f64::consts::PI;
-use std::sync::LazyLock;
+use std::{f64::consts::PI, sync::LazyLock};
 use throng_base::maths;
 
 /// First step to either side (rad), and the factor by which steps grow.

@@ -3,8 +3,7 @@
 
 use super::swivel::{half_angle, offsets};
 use super::{LimbIk, ReachGeometry};
-use crate::limits::JointLimits;
-use crate::rotation::mirror_rotation_x;
+use crate::{limits::JointLimits, rotation::mirror_rotation_x};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;

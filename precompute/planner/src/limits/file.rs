@@ -5,8 +5,7 @@ use crate::linkage::{LIMB_JOINTS, Limb};
 use crate::rotation::exp;
 use glam::{DQuat, DVec3};
 use serde::Deserialize;
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 use throng_base::text::{TomlSource, did_you_mean};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 

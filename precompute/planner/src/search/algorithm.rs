@@ -2,11 +2,10 @@
 
 use super::grid::TimeGrid;
 use super::tree::{MetricWeights, SearchNode, SearchTree};
-use crate::collide::Checker;
-use crate::ik::LimbIk;
 use crate::limits::{PoseSampler, Style};
 use crate::problem::{LimbState, Problem};
 use crate::rotation::{Rigid, rotation_between};
+use crate::{collide::Checker, ik::LimbIk};
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;

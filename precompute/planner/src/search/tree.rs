@@ -1,8 +1,7 @@
 //! A tree of states, with the nearest node to a state.
 
-use crate::linkage::LIMB_JOINTS;
-use crate::planner::LimbPlanner;
 use crate::problem::{LimbState, Problem};
+use crate::{linkage::LIMB_JOINTS, planner::LimbPlanner};
 use glam::DVec3;
 use std::sync::{Mutex, PoisonError};
 

@@ -2,20 +2,15 @@
 
 use super::{AllowedContact, ProblemError, ProblemSpec, Tether};
 use crate::body::{BodyCapsule, BodyCapsules};
-use crate::collide::Checker;
-use crate::correct::CollisionStretch;
-use crate::driven::DrivenMotion;
-use crate::limits::JointLimits;
 use crate::linkage::{Chain, LIMB_JOINTS, Limb};
 use crate::problem::{
     BodyPart, CollisionPair, CollisionTarget, EXTERNAL_STEP_S, LimbPart, MovingSolid, PlacedSolid, Problem, TetherTrack,
 };
-use crate::rotation::Rigid;
-use crate::track::MotionTrack;
+use crate::{collide::Checker, correct::CollisionStretch, driven::DrivenMotion, limits::JointLimits};
+use crate::{rotation::Rigid, track::MotionTrack};
 use glam::DVec3;
-use std::f64::consts::PI;
-use std::fmt::Arguments;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::{f64::consts::PI, fmt::Arguments};
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
 use throng_geometry::Segment;

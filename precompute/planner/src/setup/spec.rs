@@ -1,10 +1,7 @@
 //! Specifications of problems, as applications write them.
 
-use crate::body::BodyCapsules;
-use crate::driven::DrivenMotion;
-use crate::limits::BodyLimits;
-use crate::linkage::Limb;
 use crate::problem::{LimbState, MovingSolid, UprightConstraint};
+use crate::{body::BodyCapsules, driven::DrivenMotion, limits::BodyLimits, linkage::Limb};
 use glam::DVec3;
 use throng_base::thresholds::FLESH_GIVES_M;
 use throng_core::{Joint, Skeleton};

@@ -3,8 +3,7 @@
 
 use super::Smoother;
 use crate::linkage::{LIMB_JOINTS, LimbPose};
-use crate::problem::LimbState;
-use crate::rotation::angle_between;
+use crate::{problem::LimbState, rotation::angle_between};
 
 impl Smoother<'_> {
     /// Blends the first and the last frames with the external motion's poses, where the plan begins or ends in its pose, or

@@ -1,9 +1,7 @@
 //! Straightens a path between any two points of it.
 
 use super::Smoother;
-use crate::linkage::LIMB_JOINTS;
-use crate::problem::LimbState;
-use crate::rotation::angle_between;
+use crate::{linkage::LIMB_JOINTS, problem::LimbState, rotation::angle_between};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 

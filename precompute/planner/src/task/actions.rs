@@ -4,15 +4,10 @@ use super::stage::{TaskStage, ThingPlacement, arm_of_hand, hand_joint};
 use super::step::{Anchor, OtherHand, TaskPlace, TaskStep};
 use super::visit::{LimbVisit, PlacementChange, visit_first_goal};
 use super::{HandTarget, TaskAction, UnresolvedSpan, both_hands, gaze, lean, nearest_distance};
-use crate::collide::Checker;
 use crate::correct::{CollisionStretch, CorrectConfig, CorrectionError, correct_clip};
-use crate::linkage::Limb;
-use crate::manipulate::ReachError;
-use crate::planner::PlanOutcome;
-use crate::problem::Problem;
-use crate::refuse;
-use crate::rotation::Rigid;
 use crate::setup::{AllowedContact, ProblemError};
+use crate::{collide::Checker, linkage::Limb, manipulate::ReachError, planner::PlanOutcome, problem::Problem};
+use crate::{refuse, rotation::Rigid};
 use throng_core::Joint;
 
 /// Time before and after it is reached in which a hand may touch its target (s).

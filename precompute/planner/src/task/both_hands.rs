@@ -4,16 +4,12 @@ use super::actions::{Attempt, CONTACT_S, PlanResult, StepFailure, allow_step_con
 use super::stage::{LimbSurroundings, Pin, PlacementSpan, SecondHand, TaskStage, hand_joint};
 use super::visit::{LimbVisit, PlacementChange, TRIES, VisitResult, first_success, reachable_goals};
 use super::{FollowError, HandPath, HandTarget, TaskAction, TaskStep};
-use crate::clips::with_motion;
-use crate::collide::Checker;
-use crate::ik::LimbIk;
 use crate::linkage::{Limb, LimbPose};
 use crate::manipulate::{ReachError, plan_into_clip};
 use crate::planner::{LimbMotion, LimbPlanner, PlanOutcome};
 use crate::problem::{LimbState, Problem};
-use crate::refuse;
-use crate::rotation::Rigid;
 use crate::setup::{AllowedContact, ProblemSpec, Tether};
+use crate::{clips::with_motion, collide::Checker, ik::LimbIk, refuse, rotation::Rigid};
 use throng_core::Joint;
 
 /// Number of paths of the first hand that are tried for one target, each with a seed of its own: the second one cannot follow

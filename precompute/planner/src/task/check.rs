@@ -1,11 +1,10 @@
 //! Check of everything that a task did, by the means of [`crate::recheck`].
 
 use super::{Pin, PlannedLimb, StageActor, TaskStage, ThingPlacement, TrunkLean, gaze, hand_joint, lean};
-use crate::balance::distance_off_feet;
-use crate::limits::JointLimits;
 use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, limit_excess, place_at};
 use crate::rotation::{Rigid, angle_between};
 use crate::setup::{AllowedContact, SELF_PRESS_M};
+use crate::{balance::distance_off_feet, limits::JointLimits};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use throng_base::maths;

@@ -2,9 +2,8 @@
 
 use crate::linkage::Limb;
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, de::value::MapAccessDeserializer};
 use std::path::PathBuf;
 
 /// A task: a clip, its surroundings, and the tasks of limbs.

@@ -4,24 +4,17 @@ use super::entries::{
     CharacterEntry, PaceEntry, PlannerEntry, ShapeEntry, TaskAction, TaskFile, ThingEntry, WalkEntry,
 };
 use super::{NameTable, TaskStep, mesh};
-use crate::correct::CorrectConfig;
-use crate::linkage::Limb;
 use crate::planner::{Budget, PlanConfig};
-use crate::refuse;
 use crate::rotation::{Rigid, exp, rotation_about};
-use crate::smooth::SmoothConfig;
-use crate::stiff_mesh::StiffMesh;
 use crate::track::RigidPath as Motion;
+use crate::{correct::CorrectConfig, linkage::Limb, refuse, smooth::SmoothConfig, stiff_mesh::StiffMesh};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use throng_base::Error;
-use throng_base::error::ensure;
-use throng_base::text::TomlSource;
+use throng_base::{Error, error::ensure, text::TomlSource};
 use throng_core::{Joint, Skeleton};
 use throng_geometry::{Segment, SolidShape};
-use throng_motion::import::ImportConfig;
-use throng_motion::wearer::SkinnedFigure;
+use throng_motion::{import::ImportConfig, wearer::SkinnedFigure};
 
 pub use super::entries::ClipEntry;
 

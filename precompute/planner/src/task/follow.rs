@@ -1,10 +1,9 @@
 //! Motion of the second hand at a thing: the first hand fixes its place, and the swivel of its arm over time is searched.
 
-use crate::collide::Checker;
 use crate::ik::{LimbIk, Swivel};
-use crate::linkage::LimbPose;
 use crate::problem::{LimbState, Problem};
 use crate::rotation::{Rigid, mid_rotation, wrap_angle};
+use crate::{collide::Checker, linkage::LimbPose};
 use std::f64::consts::TAU;
 
 /// Number of swivels that are tried on each frame.

@@ -1,14 +1,10 @@
 //! Bending of the trunk where an arm cannot reach otherwise; hips move with it, so that the weight stays over the feet.
 
 use super::{StepFailure, TaskStage, TaskStep, TrunkLean, object_target};
-use crate::balance::centre_of_mass;
-use crate::driven::place_joints;
 use crate::ik::{LimbIk, Swivel};
-use crate::limits::BodyLimits;
 use crate::linkage::{Chain, Limb, LimbPose};
-use crate::refuse;
 use crate::rotation::{Rigid, angle_between, rotation_about};
-use crate::smooth::smoothstep;
+use crate::{balance::centre_of_mass, driven::place_joints, limits::BodyLimits, refuse, smooth::smoothstep};
 use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 

@@ -2,8 +2,7 @@
 
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 use throng_base::file::{MAX_TEXT_BYTES, read_file};
 use throng_geometry::{SolidShape, TriangleMesh};
 use throng_motion::import::{gltf, obj};

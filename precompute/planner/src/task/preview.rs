@@ -2,13 +2,9 @@
 
 use super::stage::{ActorClip, LimbSurroundings, TaskStage};
 use super::{ClipMismatch, HandTarget, ObjectGrip, Task, TaskAction, TaskStep, lean, open_edges};
-use crate::collide::Checker;
 use crate::correct::{CollisionStretch, find_collisions};
-use crate::ik::IkError;
-use crate::linkage::LimbPose;
-use crate::problem::Problem;
-use crate::rotation::Rigid;
 use crate::setup::{AllowedContact, ProblemError};
+use crate::{collide::Checker, ik::IkError, linkage::LimbPose, problem::Problem, rotation::Rigid};
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};

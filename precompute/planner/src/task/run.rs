@@ -2,12 +2,9 @@
 
 use super::stage::{ActorClip, TaskGaze, TaskStage, ThingPlacement, hand_joint};
 use super::{StepFailure, Task, TaskAction, TaskCharacter, TaskScenery, both_hands, run_step};
-use crate::correct::CollisionStretch;
-use crate::linkage::Limb;
 use crate::planner::{PlanError, PlanOutcome, Planners};
-use crate::recheck::RecheckReport;
-use crate::refuse;
 use crate::search::{LoggedTrees, TreeLog};
+use crate::{correct::CollisionStretch, linkage::Limb, recheck::RecheckReport, refuse};
 use serde::Serialize;
 use std::error::Error;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,8 +1,7 @@
 //! Places of everything in a task, for drawing and for moving things.
 
 use super::{ActorClip, Anchor, ClipMismatch, Task, TaskStage, TaskStep, ThingStart};
-use crate::rotation::Rigid;
-use crate::track::RigidPath;
+use crate::{rotation::Rigid, track::RigidPath};
 use glam::DVec3;
 use throng_motion::Clip;
 

@@ -1,20 +1,15 @@
 //! State of a task while it is worked on: clips as they are by now, and the place of every thing at every time.
 
 use super::{Anchor, StepFailure, Task, TaskCharacter, TaskPlace, ThingStart, capsules_around};
-use crate::body::BodyCapsules;
 use crate::correct::{CollisionStretch, CorrectConfig, find_collisions};
-use crate::driven::DrivenMotion;
-use crate::limits::BodyLimits;
 use crate::linkage::{Limb, LimbPose};
 use crate::problem::{EXTERNAL_STEP_S, MovingSolid, Problem};
 use crate::rotation::{Rigid, rotation_about};
 use crate::setup::{AllowedContact, HeldCapsule, OtherCharacter, ProblemError, ProblemSpec, UprightConstraint};
-use crate::stiff_mesh::StiffMesh;
 use crate::track::{MotionTrack, RigidPath as Motion, SampleTimes};
+use crate::{body::BodyCapsules, driven::DrivenMotion, limits::BodyLimits, stiff_mesh::StiffMesh};
 use glam::{DVec3, Quat};
-use std::collections::BTreeSet;
-use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::{collections::BTreeSet, f64::consts::TAU, sync::Arc};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::SolidShape;

@@ -3,12 +3,9 @@
 use super::entries::{GripEntry, PlaceEntry, SecondEntry, StyleEntry, TaskAction, TaskEntry};
 use super::file::{MOST_M, MOST_S, TaskCharacter, TaskThing, is_within_scene, joint_of, not_many, rigid_of_entry};
 use crate::limits::{AngleInterval, Style};
-use crate::linkage::Limb;
-use crate::refuse;
-use crate::rotation::Rigid;
+use crate::{linkage::Limb, refuse, rotation::Rigid};
 use glam::DVec3;
-use std::collections::BTreeMap;
-use std::fmt::Arguments;
+use std::{collections::BTreeMap, fmt::Arguments};
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
 

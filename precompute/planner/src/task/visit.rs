@@ -2,13 +2,10 @@
 
 use super::stage::{LimbSurroundings, Pin, PlacementSpan, TaskStage, ThingPlacement};
 use super::{CONTACT_S, HandTarget, PlanResult, StepFailure, TaskStep, awkwardness, capsules_around, solve_hands};
-use crate::ik::IkError;
-use crate::linkage::Limb;
 use crate::manipulate::{ReachError, ReachTask, reach_target, wrong_times};
-use crate::planner::PlanOutcome;
 use crate::problem::{LimbState, Problem};
-use crate::rotation::Rigid;
 use crate::setup::{AllowedContact, ProblemSpec, UprightConstraint};
+use crate::{ik::IkError, linkage::Limb, planner::PlanOutcome, rotation::Rigid};
 use glam::DVec3;
 
 /// Distance below which something supports a thing, or is beside it: they may touch when it is taken and laid down (m).

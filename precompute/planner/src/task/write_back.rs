@@ -3,8 +3,7 @@
 use super::{Handle, Task};
 use glam::DVec3;
 use std::ops::Range;
-use throng_base::text::TomlSource;
-use throng_base::{Error, Result};
+use throng_base::{Error, Result, text::TomlSource};
 
 /// Distance below which a move is not written (m).
 const SAME_M: f64 = 5e-5;

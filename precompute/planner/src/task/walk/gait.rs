@@ -1,15 +1,11 @@
 //! Records a walker of a blend space, frame by frame, into a clip.
 
-use crate::rotation::wrap_angle;
-use crate::task::entries::PaceEntry;
+use crate::{rotation::wrap_angle, task::entries::PaceEntry};
 use glam::{DQuat, DVec2, DVec3};
 use throng_base::{Id, Inline, Result, maths};
-use throng_core::blend::BlendSpace;
-use throng_core::body::BodyLayers;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_core::{CharacterGroup, NUM_JOINTS, Planar};
-use throng_motion::Clip;
-use throng_motion::export::ActorPose;
+use throng_core::{CharacterGroup, NUM_JOINTS, Planar, blend::BlendSpace, body::BodyLayers};
+use throng_motion::{Clip, export::ActorPose};
 
 /// Steps a second at least.
 const STEP_HZ: f64 = 60.0;

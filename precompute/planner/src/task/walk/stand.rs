@@ -3,14 +3,11 @@
 use super::gait::{WalkRecording, heading_of};
 use super::route::RouteObstacles;
 use crate::driven::{DrivenMotion, place_joints};
-use crate::ik::IkError;
-use crate::linkage::Limb;
-use crate::problem::Problem;
 use crate::rotation::{Rigid, rotation_about, wrap_angle};
 use crate::task::lean::{BendingTrunk, RootPose, SPARE_M};
 use crate::task::preview::{object_target, reachable_poses, surroundings_at_target};
 use crate::task::stage::{TaskStage, ThingPlacement};
-use crate::task::step::TaskStep;
+use crate::{ik::IkError, linkage::Limb, problem::Problem, task::step::TaskStep};
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::TAU;
 use throng_base::thresholds::BODY_RADIUS_M;
