@@ -4,8 +4,7 @@ use crate::frames::{of_classes, runs};
 use crate::made::made_frames;
 use std::f64::consts::PI;
 use throng_base::thresholds::{STANDING_MPS_F64, WALKING_MPS};
-use throng_core::format::ClipRecord;
-use throng_core::{Bundle, Planar};
+use throng_core::{Bundle, Planar, format::ClipRecord};
 use throng_motion::annotate::classes::goes_somewhere;
 use throng_motion::clip::{ClipSet, runs_where};
 

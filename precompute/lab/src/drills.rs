@@ -1,7 +1,6 @@
 //! Drills: how soon, and on how much ground, characters answer an order to turn, to stop or to follow.
 
-use crate::quality::median;
-use crate::trial::start_states;
+use crate::{quality::median, trial::start_states};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::Serialize;
 use std::f32::consts::PI;

@@ -1,8 +1,7 @@
 //! Frames of a bundle that may be played.
 
 use std::ops::Range;
-use throng_core::Bundle;
-use throng_core::format::MotionClass;
+use throng_core::{Bundle, format::MotionClass};
 
 /// Runs of usable frames, in order: those of each clip between the frames that were excluded.
 pub fn runs(tables: &Bundle) -> Vec<Range<u32>> {

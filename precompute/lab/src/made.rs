@@ -1,11 +1,9 @@
 //! Made motion: the frames of a bundle that nobody has captured, beside those that somebody has.
 
-use crate::frames::runs;
 use crate::quality::{QualityMeter, Track, clip_joints};
-use crate::slip::SlipMeter;
+use crate::{frames::runs, slip::SlipMeter};
 use serde::Serialize;
-use throng_core::Bundle;
-use throng_core::format::MADE_TAG;
+use throng_core::{Bundle, format::MADE_TAG};
 
 /// How made motion is used, and how it looks beside captured motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]

@@ -2,8 +2,7 @@
 
 use glam::{Vec2, Vec3Swizzles};
 use std::collections::HashSet;
-use throng_core::stops::BODY_RADIUS_M;
-use throng_core::{BodyVolume, Planar, PosedBody};
+use throng_core::{BodyVolume, Planar, PosedBody, stops::BODY_RADIUS_M};
 use throng_crowd::{Obstacle, Space};
 use throng_geometry::{Bounds2d, BoxGrid, Capsule, distance_to_segment};
 

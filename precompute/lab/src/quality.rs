@@ -10,10 +10,8 @@ pub(crate) use apart::median;
 use glam::Vec3;
 use serde::Serialize;
 use std::f32::consts::TAU;
-use throng_base::maths;
-use throng_base::thresholds::TOE_LOW_M;
-use throng_core::skeleton::LEGS;
-use throng_core::{Bundle, Joint, NUM_JOINTS, Planar};
+use throng_base::{maths, thresholds::TOE_LOW_M};
+use throng_core::{Bundle, Joint, NUM_JOINTS, Planar, skeleton::LEGS};
 use throng_motion::clip::joint_transforms;
 
 /// Frames on either side of a change of segment that count as near it.

@@ -4,8 +4,7 @@ use crate::histogram::Histogram;
 use glam::{Quat, Vec3, Vec3Swizzles};
 use throng_core::characters::{Characters, DetailLevel};
 use throng_core::{Contacts, Joint, Skeleton};
-use throng_motion::annotate::contacts::FOOT_PARTS;
-use throng_motion::stance::FEET;
+use throng_motion::{annotate::contacts::FOOT_PARTS, stance::FEET};
 use throng_simulation::Simulation;
 
 /// Histogram of the speeds of planted feet, up to 4 m/s, in bins of 1 mm/s.

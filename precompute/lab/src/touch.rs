@@ -1,8 +1,6 @@
 //! Contact of opponents: arms and legs in bodies, arms in heads, heads too near each other, rates of elbows.
 
-use crate::frames::runs;
-use crate::histogram::Histogram;
-use crate::quality::clip_joints;
+use crate::{frames::runs, histogram::Histogram, quality::clip_joints};
 use glam::Vec3;
 use serde::Serialize;
 use throng_core::skeleton::{ARMS, LEGS};

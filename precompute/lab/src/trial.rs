@@ -2,19 +2,15 @@
 
 mod watch;
 
-use crate::made::MadeFigures;
-use crate::quality::MotionQuality;
+use crate::{made::MadeFigures, quality::MotionQuality};
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
-use std::collections::HashMap;
-use std::f32::consts::TAU;
-use std::time::Instant;
+use std::{collections::HashMap, f32::consts::TAU, time::Instant};
 use throng_core::base::limits::{CHARACTERS, SECONDS, STEP_HZ};
 use throng_core::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
-use throng_core::stops::REST;
-use throng_core::{Bundle, CharacterGroup, Contacts, Error, Inline, NUM_JOINTS, Planar};
+use throng_core::{Bundle, CharacterGroup, Contacts, Error, Inline, NUM_JOINTS, Planar, stops::REST};
 use throng_motion::error::{BuildError, Result};
 use watch::TrialWatch;
 

@@ -9,8 +9,7 @@ use std::time::Instant;
 use throng_base::maths::quantile;
 use throng_core::characters::{Characters, CharactersConfig, Detail, MotionSet, PolicyOrder};
 use throng_core::{Bundle, Error};
-use throng_motion::error::Result;
-use throng_motion::memory::resident_bytes;
+use throng_motion::{error::Result, memory::resident_bytes};
 
 /// Steps of a round, a second of simulated time.
 const STEPS: usize = 60;

@@ -6,14 +6,12 @@ mod take_recorder;
 use crate::run::{RunRecording, play_scene};
 use crate::trial::TrialConfig;
 pub use bundle::record_instances;
-use std::ops::RangeInclusive;
-use std::path::Path;
+use std::{ops::RangeInclusive, path::Path};
 use take_recorder::TakeRecorder;
 use throng_core::Bundle;
 use throng_core::base::limits::{EXPORT_HZ, MOMENT_S, SECONDS, STEP_HZ};
 use throng_motion::error::{BuildError, Result, ensure};
-use throng_motion::export::Take;
-use throng_motion::progress::Progress;
+use throng_motion::{export::Take, progress::Progress};
 use throng_simulation::{CompiledScene, Simulation};
 
 /// Default number of steps a simulated second, as for runs (Hz).

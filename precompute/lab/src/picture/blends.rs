@@ -1,8 +1,7 @@
 //! The picture of blend spaces: figures at the corners and in the middle of the parameter box, at three phases each.
 
 use super::{BodyFigure, Picture, WorldMoment, WorldStrip, sheet, world_strip};
-use std::cmp::Reverse;
-use std::f32::consts::PI;
+use std::{cmp::Reverse, f32::consts::PI};
 use throng_bake::examples::judge::{BLEND_WORDS, BlendQuality, judge, parameters_at, postures_over_cycle};
 use throng_core::blend::{BlendSpace, MAX_AXES, axis, channel};
 use throng_core::{Bundle, Joint};

@@ -1,9 +1,8 @@
 //! The picture of a crowd with bodies.
 
 use super::discs::{OBSTACLE_COLOUR, group_colour};
-use super::obstacle_solid;
-use super::world::OBLIQUE_VIEW;
 use super::{BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldSheet, world_sheet};
+use super::{obstacle_solid, world::OBLIQUE_VIEW};
 use crate::run::{AgentsRecord, JointPositions};
 use glam::Vec3;
 use throng_bake::environment::UnitSolid;

@@ -1,19 +1,16 @@
 //! The picture of a group with policies: all characters at the end, and moments around blows of the recorded ones.
 
-use super::discs::OBSTACLE_COLOUR;
-use super::world::OBLIQUE_VIEW;
 use super::{
     BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, colour,
     sheet, world_sheet, world_strip,
 };
+use super::{discs::OBSTACLE_COLOUR, world::OBLIQUE_VIEW};
 use crate::run::{FightFrame, FightRecord, JointPositions, SceneFigures};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
 use throng_bake::environment::UnitSolid;
 use throng_core::Joint;
-use throng_simulation::scene::GroupConfig;
-use throng_simulation::sparring::StruckPart;
-use throng_simulation::{CharacterEvent, GroupMotion, SimulationEvent};
+use throng_simulation::{CharacterEvent, GroupMotion, SimulationEvent, scene::GroupConfig, sparring::StruckPart};
 
 /// Number of moments side by side.
 const COLUMNS: usize = 8;

@@ -1,8 +1,7 @@
 //! Common parts of pictures: headers, legends, grids and scale bars.
 
-use super::canvas::Area;
 use super::text::{Align, TextStyle, draw_text, text_width};
-use super::{Colour, Picture, PictureCamera, colour};
+use super::{Colour, Picture, PictureCamera, canvas::Area, colour};
 use glam::{Vec2, Vec3};
 use throng_geometry::BoundingBox;
 

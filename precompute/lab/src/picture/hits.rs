@@ -2,9 +2,8 @@
 
 mod panel;
 
-use super::canvas::Area;
 use super::furniture::{header, legend};
-use super::{BodyFigure, Colour, Picture, PictureCamera, colour};
+use super::{BodyFigure, Colour, Picture, PictureCamera, canvas::Area, colour};
 use glam::{Vec2, Vec3};
 use panel::{HitPanel, PanelAxis};
 use std::f32::consts::{FRAC_PI_2, PI};

@@ -1,11 +1,10 @@
 //! The picture of a world: all characters at the end, and moments of partners, or of a lively character.
 
-use super::discs::group_colour;
-use super::world::OBLIQUE_VIEW;
 use super::{
     BodyColours, BodyFigure, Picture, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, WorldUnit, sheet,
     world_sheet, world_strip, world_units,
 };
+use super::{discs::group_colour, world::OBLIQUE_VIEW};
 use crate::run::{JointPositions, PeopleSample, SceneFigures, WorldRecord};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;

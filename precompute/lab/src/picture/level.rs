@@ -1,9 +1,7 @@
 //! Plans of a level, one a floor.
 
-use super::canvas::Picture;
-use super::furniture::header;
 use super::text::{Align, TextStyle, draw_text};
-use super::{Colour, colour};
+use super::{Colour, canvas::Picture, colour, furniture::header};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_level::Level;
 

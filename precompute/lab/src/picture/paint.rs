@@ -1,9 +1,7 @@
 //! Paints pieces shaded and anti-aliased, with several rays a pixel, and the shadows that they cast.
 
-use super::canvas::source_over;
-use super::piece::PicturePiece;
 use super::visible::{NO_PIECE, SampleBand, rasterize_bands, sample_position};
-use super::{Colour, Picture, PictureCamera, colour};
+use super::{Colour, Picture, PictureCamera, canvas::source_over, colour, piece::PicturePiece};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use throng_geometry::BoundingBox;

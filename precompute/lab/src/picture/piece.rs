@@ -1,7 +1,6 @@
 //! Pieces of a picture of a world: parts of bodies, bars and flat faces.
 
-use super::solid::RoundCone;
-use super::{Colour, PictureCamera};
+use super::{Colour, PictureCamera, solid::RoundCone};
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{UnitGeometry, UnitSolid};
 use throng_core::patch::Placement;

@@ -1,11 +1,8 @@
 //! The picture of a scene: a sheet for each group with policies, each group on paths, each world, and all agents.
 
-use super::crowd_bodies::bodies_sheet;
 use super::discs::{crowd_sheet, travel_sheet};
-use super::fights::fight_sheet;
-use super::inhabited::inhabited_sheet;
-use super::walkers::walkers_sheet;
 use super::{Picture, sheet};
+use super::{crowd_bodies::bodies_sheet, fights::fight_sheet, inhabited::inhabited_sheet, walkers::walkers_sheet};
 use crate::run::{GroupReport, JointPositions, SceneRecord, SceneReport, walk_styles, world_geometry};
 use std::ops::Range;
 use throng_bake::environment::UnitSolid;

@@ -1,13 +1,11 @@
 //! The picture of a trial: the crowd on its way, some of it from near at three moments, and stretches of one character's path.
 
-use super::blends::blend_strips;
-use super::canvas::Area;
-use super::furniture::header;
 use super::text::{Align, TextStyle, draw_text};
 use super::{
     BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, colour,
     sheet, world_sheet, world_strip,
 };
+use super::{blends::blend_strips, canvas::Area, furniture::header};
 use crate::trial::{TrialConfig, TrialFrame, TrialMoment, TrialRecord, TrialReport};
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};

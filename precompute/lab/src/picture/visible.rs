@@ -1,7 +1,6 @@
 //! Visibility of pieces: a depth buffer, filled in parallel bands of rows.
 
-use super::camera::PictureCamera;
-use super::piece::PicturePiece;
+use super::{camera::PictureCamera, piece::PicturePiece};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::ops::Range;

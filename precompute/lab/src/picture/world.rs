@@ -1,16 +1,13 @@
 //! Bodies in their surroundings: every pixel shows the nearest surface, with shadows.
 
-use super::canvas::Area;
-use super::figure::body_solids;
 use super::furniture::{NamePlates, grid, header, legend, nice_step, page_with_panel, scale_bar};
-use super::paint::draw_pieces;
 use super::piece::{PicturePiece, add_solid, add_unit};
 use super::text::{Align, TextStyle, draw_text};
 use super::{BodyColours, BodyFigure, Colour, Picture, PictureCamera, colour};
+use super::{canvas::Area, figure::body_solids, paint::draw_pieces};
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{PlacedGeometry, UnitGeometry, UnitSolid};
-use throng_core::Joint;
-use throng_core::patch::Placement;
+use throng_core::{Joint, patch::Placement};
 use throng_geometry::BoundingBox;
 
 /// Colours of units, by their number in the set.

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use throng_motion::error::Result;
-use throng_motion::{export, files};
+use throng_motion::{error::Result, export, files};
 use throng_planner::task::{ActorClip, Attachment, Task, TaskEvent, TaskOutcome};
 
 /// Objects file of a clip.

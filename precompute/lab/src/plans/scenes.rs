@@ -1,20 +1,16 @@
 //! Benchmark scenes for plans: one limb, from one pose to another.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
-use std::error::Error;
-use std::sync::Arc;
+use std::{error::Error, sync::Arc};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::{SolidShape, TriangleMesh};
 use throng_motion::Clip;
-use throng_planner::body::BodyCapsules;
-use throng_planner::collide::Checker;
-use throng_planner::driven::DrivenMotion;
 use throng_planner::limits::{BodyLimits, Coordinates};
 use throng_planner::linkage::{Limb, LimbPose};
 use throng_planner::problem::{LimbState, MovingSolid, Problem};
 use throng_planner::rotation::{Rigid, rotation_about, rotation_between};
 use throng_planner::setup::{AllowedContact, ProblemSpec};
-use throng_planner::track::RigidPath;
+use throng_planner::{body::BodyCapsules, collide::Checker, driven::DrivenMotion, track::RigidPath};
 use throng_synth::{SynthConfig, SynthSet, make_set};
 
 /// Names of the scenes, and the time that the paper gives for a similar one (s).

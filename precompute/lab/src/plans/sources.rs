@@ -3,11 +3,9 @@
 use super::config_error;
 use crate::run::{BuildContext, News, ensure_bundle};
 use std::path::{Path, PathBuf};
-use throng_bake::config::BuildConfig;
-use throng_bake::pipeline;
-use throng_core::base::text::did_you_mean;
+use throng_bake::{config::BuildConfig, pipeline};
 use throng_core::blend::{BlendSpace, axis};
-use throng_core::{Bundle, FormatError, NUM_JOINTS};
+use throng_core::{Bundle, FormatError, NUM_JOINTS, base::text::did_you_mean};
 use throng_motion::error::{BuildError, Result, ensure};
 use throng_motion::import::{self, ImportedClip};
 use throng_motion::{Clip, ClipSet, Warnings};

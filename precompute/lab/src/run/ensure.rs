@@ -1,14 +1,11 @@
 //! Builds missing inputs of a scene: bundles from their configs, worlds from their world files.
 
-use super::News;
-use super::report::config_error;
+use super::{News, report::config_error};
 use std::path::{Path, PathBuf};
 use throng_bake::cache::{Cache, CacheKey};
-use throng_bake::config::BuildConfig;
-use throng_bake::pipeline;
 use throng_bake::stitch::{self, StitchKit, StitchReport, WorldSource};
-use throng_core::Bundle;
-use throng_core::blend::axis;
+use throng_bake::{config::BuildConfig, pipeline};
+use throng_core::{Bundle, blend::axis};
 use throng_motion::error::{BuildError, ImportError, Result, Warnings};
 use throng_motion::progress::Progress;
 use throng_simulation::{GroupMotion, Scene};

@@ -1,7 +1,6 @@
 //! Figures measured of a scene, and of each of its groups.
 
-use super::meter::GateFlow;
-use super::watch::PartnerFigures;
+use super::{meter::GateFlow, watch::PartnerFigures};
 use crate::touch::TouchFigures;
 use serde::Serialize;
 

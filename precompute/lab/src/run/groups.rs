@@ -3,8 +3,7 @@
 use glam::Vec3;
 use throng_core::characters::PolicyCharacters;
 use throng_crowd::Crowd;
-use throng_simulation::agents::world_vector;
-use throng_simulation::{AnyCharacterGroup, Simulation};
+use throng_simulation::{AnyCharacterGroup, Simulation, agents::world_vector};
 
 /// Characters with policies of a character group; none for others.
 pub fn policy_characters(group: &AnyCharacterGroup) -> Option<&PolicyCharacters> {

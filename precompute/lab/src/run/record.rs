@@ -8,8 +8,7 @@ use throng_core::NUM_JOINTS;
 use throng_crowd::{Obstacle, Space};
 use throng_geometry::Capsule2d;
 use throng_simulation::agents::{CrowdLayout, Disc, world_vector};
-use throng_simulation::scene::SiteConfig;
-use throng_simulation::{AnyCharacterGroup, SceneGroup, Simulation, SimulationEvent};
+use throng_simulation::{AnyCharacterGroup, SceneGroup, Simulation, SimulationEvent, scene::SiteConfig};
 
 /// Number of recorded moments of agents, the first and the last included.
 const MOMENTS: usize = 4;

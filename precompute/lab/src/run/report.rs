@@ -1,12 +1,10 @@
 //! The loop that runs a scene, and its report.
 
-use super::figures::SceneFigures;
 use super::record::{SceneRecord, SceneRecorder};
-use super::recording::RunRecording;
 use super::watch::{AgentWatch, SceneWatch};
+use super::{figures::SceneFigures, recording::RunRecording};
 use serde::Serialize;
-use std::path::Path;
-use std::time::Instant;
+use std::{path::Path, time::Instant};
 use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
 use throng_bake::stitch::StitchKit;
 use throng_base::clock::thread_cpu_s;
@@ -14,10 +12,8 @@ use throng_core::base::limits::{SECONDS, STEP_HZ, THREADS};
 use throng_core::{Executor, Inline, Rayon};
 use throng_crowd::Space;
 use throng_motion::error::{BuildError, Result};
-use throng_simulation::agents::SceneAgents;
-use throng_simulation::scenario::ExpectationOutcome;
-use throng_simulation::scene::ExpectedQuantity;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, ExpectationWatch, MotionKind, SceneStatistics, Simulation};
+use throng_simulation::{agents::SceneAgents, scenario::ExpectationOutcome, scene::ExpectedQuantity};
 use throng_world::UnitRecord;
 
 /// Samples of agents a simulated second (Hz).

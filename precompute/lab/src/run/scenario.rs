@@ -1,13 +1,11 @@
 //! Speed of scenes with rules, state graphs and news, timed part by part.
 
-use super::groups::agents_crowd;
-use super::report::config_error;
+use super::{groups::agents_crowd, report::config_error};
 use crate::overlap::NearPairs;
 use glam::Vec3Swizzles;
 use serde::Serialize;
 use std::time::Instant;
-use throng_core::base::limits::THREADS;
-use throng_core::{Executor, Inline, Rayon};
+use throng_core::{Executor, Inline, Rayon, base::limits::THREADS};
 use throng_geometry::Bounds2d;
 use throng_motion::error::Result;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation};

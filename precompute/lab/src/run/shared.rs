@@ -5,13 +5,10 @@ use super::report::{config_error, scene_error};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
-use throng_base::clock::thread_cpu_s;
-use throng_base::limits::SECONDS;
-use throng_base::{Comm, Error};
+use throng_base::{Comm, Error, clock::thread_cpu_s, limits::SECONDS};
 use throng_crowd::Crowd;
 use throng_motion::error::{Result, ensure};
-use throng_motion::memory;
-use throng_motion::progress::Progress;
+use throng_motion::{memory, progress::Progress};
 use throng_simulation::{CompiledScene, Simulation};
 
 /// Samples of overlaps a simulated second (Hz).

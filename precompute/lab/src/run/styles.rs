@@ -5,8 +5,7 @@ use glam::{Vec2, Vec3};
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{CharacterGroup, Inline, NUM_JOINTS};
 use throng_motion::error::Result;
-use throng_simulation::CompiledScene;
-use throng_simulation::scene::PictureStyle;
+use throng_simulation::{CompiledScene, scene::PictureStyle};
 
 /// Time of a step (s).
 const DT_S: f32 = 1.0 / 120.0;

@@ -4,19 +4,14 @@ mod measure;
 
 use crate::abilities::{Abilities, LITTLE_WALKING_S, played_frames, unused_clips};
 use crate::frames::{of_classes, runs};
-use crate::made::made_frames;
-use crate::quality::clip_joints;
-use crate::slip::SlipMeter;
 use crate::trial::{self, TrialConfig, TrialReport};
+use crate::{made::made_frames, quality::clip_joints, slip::SlipMeter};
 pub use measure::Measure;
 use measure::{GOOD_REACH, LongestAction, SourceFeet, VerdictInputs};
 use serde::Serialize;
-use throng_bake::config::BuildConfig;
-use throng_bake::examples::BlendReport;
-use throng_bake::graph::TakenMotion;
 use throng_bake::policy::{self, BehaviourKind, promise};
-use throng_core::Bundle;
-use throng_core::characters::CharactersConfig;
+use throng_bake::{config::BuildConfig, examples::BlendReport, graph::TakenMotion};
+use throng_core::{Bundle, characters::CharactersConfig};
 use throng_motion::error::Result;
 use throng_motion::stance::{self, StanceReport};
 
