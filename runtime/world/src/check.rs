@@ -1,7 +1,6 @@
 //! Every stored index of a world against its table, every number for being finite.
 
-use super::tags;
-use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, WorldTables};
+use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, WorldTables, tags};
 use throng_base::error::ensure;
 use throng_core::format::{FormatError, SectionTag};
 use throng_core::patch::{KIND_BLOCK, KIND_TILE, NONE, PatchTables};

@@ -13,11 +13,10 @@ use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 use std::{io, path::Path};
 use throng_base::{Error, Hash128, Result, error};
-use throng_core::Bundle;
-use throng_core::characters::MotionSet;
 use throng_core::format::{
     AlignedBytes, BundleWriter, FileKind, FileStorage, FormatError, SectionLayout, Table, decode, encode,
 };
+use throng_core::{Bundle, characters::MotionSet};
 
 /// First bytes of every world file.
 pub const WORLD_MAGIC: [u8; 8] = *b"\x89THWRLD\n";

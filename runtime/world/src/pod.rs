@@ -1,8 +1,7 @@
 //! Serde of rows of plain old data as one run of bytes: as fast as memory, where element by element is not.
 
 use bytemuck::Pod;
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serializer};
+use serde::{Deserialize, Deserializer, Serializer, de::Error};
 use throng_base::error::ensure;
 
 /// For `#[serde(with)]`.

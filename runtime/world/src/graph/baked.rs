@@ -2,8 +2,7 @@
 //! paths to rest, narrow passages, open borders.
 
 use super::{OpenConnections, WorldGraph};
-use crate::path_hierarchy::PathHierarchy;
-use crate::pod;
+use crate::{path_hierarchy::PathHierarchy, pod};
 use serde::Deserialize;
 use throng_core::format::FormatError;
 

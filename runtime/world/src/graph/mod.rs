@@ -13,8 +13,7 @@ pub(crate) use connections::OpenConnections;
 pub(crate) use steps::{JointCrossing, StepVisitor};
 pub use steps::{WorldNode, WorldStep};
 
-use super::path_hierarchy::PathHierarchy;
-use super::{InstanceRecord, WorldTables, is_set};
+use super::{InstanceRecord, WorldTables, is_set, path_hierarchy::PathHierarchy};
 use glam::Vec3;
 use joints::JointIndex;
 use std::sync::{Arc, OnceLock};

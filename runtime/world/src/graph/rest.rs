@@ -1,8 +1,7 @@
 //! Paths to rest, for which a character needs no more than the units of its instance.
 
 use super::{WorldGraph, WorldNode};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::{cmp::Reverse, collections::BinaryHeap};
 use throng_core::patch::{CellRecord, NONE};
 
 /// For each node the link that leads towards the nearest rest cell of its instance, in frames; [`NONE`] where none does.

@@ -1,13 +1,10 @@
 //! Chains: the reserved steps of a character, up to a node from which it can come to rest.
 
-use super::purpose::Purpose;
-use super::reservations::UnitReservations;
-use crate::plan::SearchSpace;
-use crate::{WorldGraph, WorldNode, WorldStep};
+use super::{purpose::Purpose, reservations::UnitReservations};
+use crate::{WorldGraph, WorldNode, WorldStep, plan::SearchSpace};
 use glam::Vec3;
 use throng_base::maths;
-use throng_core::Planar;
-use throng_core::characters::uniform_random;
+use throng_core::{Planar, characters::uniform_random};
 
 /// Most steps between two places where a character can come to rest.
 pub(super) const MAX_CHAIN: usize = 128;

@@ -1,14 +1,10 @@
 //! Inhabitants as a character group: they enter, leave, take orders, are saved and loaded.
 
-use super::reservations::follow_nobody;
-use super::targets::check_place;
 use super::{InhabitantActivity, InhabitantGoal, InhabitantMemory, Inhabitants, schedule};
-use crate::plan::PlanTarget;
-use crate::{WorldGraph, WorldNode};
+use super::{reservations::follow_nobody, targets::check_place};
+use crate::{WorldGraph, WorldNode, plan::PlanTarget};
 use glam::{Vec2, Vec3};
-use throng_base::error::check_value;
-use throng_base::limits::STEP_S;
-use throng_base::{Error, Executor, Id, Result};
+use throng_base::{Error, Executor, Id, Result, error::check_value, limits::STEP_S};
 use throng_core::characters::{PolicyOrder, ScheduledClip};
 use throng_core::planar::wrap_angle;
 use throng_core::{AdoptReport, Bundle, CharacterGroup, NUM_JOINTS, OrderStatus, Planar, PosedBodies};

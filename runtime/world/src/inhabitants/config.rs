@@ -3,9 +3,8 @@
 use crate::{RestPlace, WorldNode};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::Result;
-use throng_base::error::check_value;
 use throng_base::limits::{CAPACITY, PATH_STEPS};
+use throng_base::{Result, error::check_value};
 use throng_core::characters::CharactersConfig;
 
 /// Settings of inhabitants.

@@ -4,15 +4,12 @@
 
 use super::chains::{APART_M, ChainSchedule, MAX_CHAIN, MAX_OPENED, SafetySearch};
 use super::config::{InhabitantActivity, InhabitantGoal};
-use super::purpose::Purpose;
 use super::reservations::{EXTERNAL_HOLDER, follow_nobody};
-use super::{InhabitantEvent, Inhabitants, schedule};
+use super::{InhabitantEvent, Inhabitants, purpose::Purpose, schedule};
 use crate::plan::{PlanTarget, SearchResult, SearchSpace, TOLL_TRIES};
 use crate::{World, WorldGraph, WorldStep};
-use throng_base::Result;
-use throng_base::thresholds::WALK_SPEED_MPS;
-use throng_core::characters::uniform_random;
-use throng_core::patch::LinkRecord;
+use throng_base::{Result, thresholds::WALK_SPEED_MPS};
+use throng_core::{characters::uniform_random, patch::LinkRecord};
 
 /// Random steps that are tried before those that need no search are taken.
 const TRIES: usize = 4;

@@ -1,7 +1,6 @@
 //! External obstacles: inhabitants do not enter their regions, and report the regions that they reserve themselves.
 
-use super::Inhabitants;
-use super::reservations::InstanceGround;
+use super::{Inhabitants, reservations::InstanceGround};
 use crate::WorldGraph;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;

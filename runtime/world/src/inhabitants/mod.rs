@@ -32,10 +32,8 @@ use reservations::UnitReservations;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use throng_base::{Id, Result};
-use throng_core::body::BodyLayers;
 use throng_core::characters::{Characters, PolicyOrder};
-use throng_core::glam::Vec3;
-use throng_core::{Contacts, Joint, Planar, Roster};
+use throng_core::{Contacts, Joint, Planar, Roster, body::BodyLayers, glam::Vec3};
 
 /// State of an inhabitant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

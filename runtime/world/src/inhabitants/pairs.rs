@@ -6,18 +6,14 @@
 //! other as they were captured. A character that gets another goal leaves as soon as both its feet stand near to a
 //! place of rest.
 
-use super::reservations::follow_nobody;
-use super::snapshot::is_time;
 use super::{InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants};
+use super::{reservations::follow_nobody, snapshot::is_time};
 use crate::plan::{PlanTarget, WorldPlanner};
 use crate::{WorldGraph, WorldNode, WorldStep};
 use serde::{Deserialize, Serialize};
-use throng_base::error::check_value;
-use throng_base::{Error, Id, Result, maths};
-use throng_core::characters::uniform_random;
+use throng_base::{Error, Id, Result, error::check_value, maths};
 use throng_core::patch::{LinkRecord, NONE, Placement};
-use throng_core::planar::wrap_angle;
-use throng_core::{Contacts, Planar};
+use throng_core::{Contacts, Planar, characters::uniform_random, planar::wrap_angle};
 
 /// Frames within which a character reaches the position that the capture has it at (frames).
 const ENTRY: u16 = 15;

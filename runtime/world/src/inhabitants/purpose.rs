@@ -1,7 +1,6 @@
 //! Purpose of roaming characters: one direction for as long as possible, so that they walk on and not in circles.
 
-use super::Inhabitants;
-use super::reservations::follow_nobody;
+use super::{Inhabitants, reservations::follow_nobody};
 use crate::{WorldGraph, WorldStep};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;

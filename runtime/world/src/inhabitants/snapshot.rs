@@ -2,12 +2,9 @@
 
 use super::chains::{APART_M, ChainSchedule, MAX_CHAIN};
 use super::decide::{CALM_AFTER, MAX_IMPATIENCE, MAX_TRIES};
-use super::paths::SavedPaths;
-use super::reservations::UnitReservations;
-use super::{InhabitantMemory, Inhabitants};
+use super::{InhabitantMemory, Inhabitants, paths::SavedPaths, reservations::UnitReservations};
 use crate::{WorldGraph, WorldNode, WorldStep};
-use throng_base::maths;
-use throng_base::{Error, Hash128, Result, SnapshotKind};
+use throng_base::{Error, Hash128, Result, SnapshotKind, maths};
 use throng_core::Roster;
 use throng_core::characters::{CharactersSnapshot, PolicyOrder};
 

@@ -2,8 +2,7 @@
 
 use super::reservations::{EXTERNAL_HOLDER, follow_nobody};
 use super::{InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants};
-use crate::plan::PlanTarget;
-use crate::{WorldGraph, WorldNode};
+use crate::{WorldGraph, WorldNode, plan::PlanTarget};
 use glam::Vec3;
 use throng_base::error::{check_index, check_value};
 use throng_base::{Error, Id, Result};

@@ -1,7 +1,6 @@
 //! Floors: tiles that fill a plane together, with what stands where among them, and the regions that they consist of.
 
-use super::plane::TilePlane;
-use super::regions;
+use super::{plane::TilePlane, regions};
 use crate::WorldGraph;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

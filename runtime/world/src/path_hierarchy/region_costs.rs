@@ -1,7 +1,6 @@
 //! Costs through a region, from every entrance into it to every exit from it.
 
-use super::plane::TilePlane;
-use super::{Entrance, PathHierarchy, each};
+use super::{Entrance, PathHierarchy, each, plane::TilePlane};
 use crate::path_hierarchy::dial::{UNREACHED, whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

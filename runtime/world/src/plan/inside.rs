@@ -1,8 +1,6 @@
 //! Costs within the target's cluster to reach the target: Dijkstra backwards, only as far as needed.
 
-use crate::WorldGraph;
-use crate::path_hierarchy::PathHierarchy;
-use crate::queue::Buckets;
+use crate::{WorldGraph, path_hierarchy::PathHierarchy, queue::Buckets};
 
 /// Costs of the cells of one cluster; memory of the search for them. Its states are those that the costs_in's links lead
 /// back to, see `ClusterCosts::arcs_into`.

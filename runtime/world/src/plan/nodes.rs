@@ -1,8 +1,6 @@
 //! The lower layer: A* over nodes, in memory that is used again by every search.
 
-use crate::graph::StepVisitor;
-use crate::queue::Heap;
-use crate::{WorldGraph, WorldNode, WorldStep};
+use crate::{WorldGraph, WorldNode, WorldStep, graph::StepVisitor, queue::Heap};
 use bytemuck::{Pod, Zeroable};
 use throng_core::patch::NONE;
 

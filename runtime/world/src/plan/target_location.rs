@@ -1,7 +1,6 @@
 //! Location of a target, and costs to reach it from the same part of the world.
 
-use super::PlanTarget;
-use super::inside::ClusterSearch;
+use super::{PlanTarget, inside::ClusterSearch};
 use crate::path_hierarchy::{PathHierarchy, class_of};
 use crate::{WorldGraph, WorldNode};
 use throng_core::patch::CellRecord;

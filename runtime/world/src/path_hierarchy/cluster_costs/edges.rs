@@ -2,8 +2,7 @@
 
 use super::super::plane::class_of;
 use super::{AdjacentPart, ClusterOutline};
-use crate::graph::JointCrossing;
-use crate::{AdjacencyRecord, JointTableRecord, WorldNode};
+use crate::{AdjacencyRecord, JointTableRecord, WorldNode, graph::JointCrossing};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::patch::{CellRecord, NONE};
