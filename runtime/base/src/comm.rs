@@ -1,11 +1,8 @@
 //! Communication between several processes, or between threads in their place, that work on one task.
 
-use crate::clock::process_cpu_s;
-use crate::{Error, Result};
-use std::cell::Cell;
-use std::panic::resume_unwind;
+use crate::{Error, Result, clock::process_cpu_s};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::time::Instant;
+use std::{cell::Cell, panic::resume_unwind, time::Instant};
 
 /// Link of one of several processes, a rank, to the others: it exchanges messages, by any transport.
 ///

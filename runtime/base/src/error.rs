@@ -2,8 +2,7 @@
 
 use crate::Id;
 use glam::Vec3;
-use std::ops::RangeBounds;
-use std::path::PathBuf;
+use std::{ops::RangeBounds, path::PathBuf};
 
 /// Error of a call: whom it concerns, what was expected, and how to correct it.
 ///

@@ -1,7 +1,6 @@
 //! Reading of files, with limits on their size and kind.
 
-use crate::error::ensure;
-use crate::{Error, Result};
+use crate::{Error, Result, error::ensure};
 use std::fs::{File, Metadata};
 use std::io::{ErrorKind, Read};
 use std::path::Path;

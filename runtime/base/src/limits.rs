@@ -1,7 +1,6 @@
 //! The range of every number that applications and command lines give, each in one place.
 
-use crate::error::check_value;
-use crate::{Id, Result};
+use crate::{Id, Result, error::check_value};
 use std::str::FromStr;
 
 /// Range of a quantity, its ends included.

@@ -1,7 +1,6 @@
 //! Common header of all snapshots: kind, version and setup of the state, and a checksum.
 
-use crate::error::ensure;
-use crate::{Error, Result, crc32};
+use crate::{Error, Result, crc32, error::ensure};
 use serde::de::{DeserializeOwned, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

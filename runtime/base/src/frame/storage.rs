@@ -3,9 +3,8 @@
 #![allow(unsafe_code)]
 
 use super::{FileHeader, FormatError};
-use crate::Error;
-use crate::error::ensure;
 use crate::file::{MAX_BUNDLE_BYTES, open_file};
+use crate::{Error, error::ensure};
 use std::io::{ErrorKind, Read, Seek};
 use std::{fs::File, path::Path};
 

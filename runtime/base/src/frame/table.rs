@@ -3,11 +3,8 @@
 
 use super::FileStorage;
 use bytemuck::Pod;
-use std::any::Any;
-use std::fmt;
 use std::ops::{Deref, Range};
-use std::ptr::NonNull;
-use std::sync::Arc;
+use std::{any::Any, fmt, ptr::NonNull, sync::Arc};
 
 /// Rows that never change: of a mapped file, or of a vector. Reads as a slice.
 ///
