@@ -1,8 +1,6 @@
 //! Shapes, and their distances to segments.
 
-use crate::cuboid::segment_cuboid;
-use crate::segment::Segment;
-use crate::triangle_mesh::TriangleMesh;
+use crate::{cuboid::segment_cuboid, segment::Segment, triangle_mesh::TriangleMesh};
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -1,7 +1,6 @@
 //! Triangles: their distances from segments and points, and where rays cross their planes.
 
-use crate::nearest::nearest_on_segment;
-use crate::segment::Segment;
+use crate::{nearest::nearest_on_segment, segment::Segment};
 use glam::{DVec3, Vec3};
 
 /// Squared distance between a segment and a triangle, which may be a line or a point (m^2).

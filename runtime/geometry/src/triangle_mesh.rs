@@ -1,10 +1,8 @@
 //! Surfaces of triangles with a tree of boxes over them.
 
-use crate::bounds::BoundingBox;
-use crate::segment::Segment;
 use crate::surface::{SurfacePoint, distance_outside};
 use crate::triangle::{is_farther, nearest_on_triangle, square_distance};
-use crate::triangle_tree::BoxTree;
+use crate::{bounds::BoundingBox, segment::Segment, triangle_tree::BoxTree};
 use glam::{DVec3, Vec3};
 
 /// Reason why triangles are not a mesh.

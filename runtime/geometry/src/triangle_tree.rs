@@ -1,7 +1,6 @@
 //! A tree of boxes over triangles; a node has four boxes, which are tested together.
 
-use crate::bounds::BoundingBox;
-use crate::segment::Segment;
+use crate::{bounds::BoundingBox, segment::Segment};
 use glam::{Vec3, Vec4};
 
 /// Bit that marks an index as a triangle's, not a node's.
