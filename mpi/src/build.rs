@@ -3,18 +3,12 @@
 use crate::progress::{ProgressLines, RankStatuses};
 use crate::{MpiResult, print_json};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::Instant;
+use std::{collections::BTreeMap, sync::Arc, time::Instant};
 use throng_core::base::text::escape_for_terminal;
 use throng_core::base::{Comm, limits, unexpected_message};
-use throng_precompute::cache::Cache;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::memory;
-use throng_precompute::parts::RequiredParts;
-use throng_precompute::pipeline;
 use throng_precompute::report::{BuildReport, StageCost};
+use throng_precompute::{cache::Cache, config::BuildConfig, memory, parts::RequiredParts, pipeline};
 
 /// Bake the motion of a config into a bundle in several processes.
 ///

@@ -1,17 +1,13 @@
 //! Messages between processes, by MPI.
 
 use crate::progress::{LocalRankStatuses, RankStatus, RankStatuses};
-use mpi::Threading;
-use mpi::collective::SystemOperation;
 use mpi::datatype::{Partition, PartitionMut};
-use mpi::environment::Universe;
-use mpi::point_to_point::MatchedReceiveVec;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
-use std::cell::Cell;
+use mpi::{Threading, collective::SystemOperation, environment::Universe, point_to_point::MatchedReceiveVec};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::{cell::Cell, time::Instant};
 use throng_core::base::clock::{process_cpu_s, thread_cpu_s};
 use throng_core::base::{Comm, Error, Result, Traffic};
 

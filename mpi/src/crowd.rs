@@ -2,8 +2,7 @@
 
 use crate::progress::{ProgressLines, RankStatuses};
 use crate::{MpiResult, print_json};
-use std::path::Path;
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 use throng_core::base::error::ensure;
 use throng_core::base::{Comm, limits};
 use throng_precompute::run::{BUILT_IN_SCENES, SharedFigures, built_in_scene, run_shared};

@@ -8,9 +8,7 @@ mod progress;
 use clap::{Parser, Subcommand};
 use comm::MpiComm;
 use progress::{LocalRankStatuses, RankStatuses};
-use std::process::ExitCode;
-use std::sync::Arc;
-use std::time::Duration;
+use std::{process::ExitCode, sync::Arc, time::Duration};
 use throng_core::base::text::{escape_for_terminal, escape_json_for_terminal};
 use throng_core::base::{Comm, LocalComm, limit_threads, limits};
 

@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
-use std::time::Duration;
+use std::{thread::JoinHandle, time::Duration};
 use throng_precompute::progress::{BuildStatus, Progress};
 
 /// Time between two samples of a rank's status.
