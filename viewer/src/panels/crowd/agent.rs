@@ -67,7 +67,7 @@ fn forces(ui: &mut Ui, d: &AgentDetails) {
     let sum: Vec3 = d.forces.iter().sum();
     let rows = FORCE_TERMS.iter().zip(d.forces).enumerate();
     Grid::new("forces").num_columns(4).spacing([8.0, 2.0]).show(ui, |ui| {
-        for (i, ((name, tip), force)) in rows {
+        for (i, ((name, tip, _), force)) in rows {
             row(ui, (name, tip), colour_of_view(colour_of_force(i, dark)), force, (ahead, d.limit));
         }
         row(ui, ("sum", "All terms together"), ui.visuals().weak_text_color(), sum, (ahead, d.limit));

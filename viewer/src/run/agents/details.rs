@@ -4,14 +4,14 @@ use glam::Vec3;
 use throng_crowd::{Crowd, Id};
 use throng_simulation::{AnyCharacterGroup, Simulation};
 
-/// Terms of the force field, with their equations in Kim, Kim and Shin 2003b.
-pub const FORCE_TERMS: [(&str, &str); 6] = [
-    ("driving", "Toward the desired velocity along the route (eq. 17)"),
-    ("interaction", "Attraction and repulsion (eq. 17)"),
-    ("decelerating", "Slows down toward obstacles ahead (eq. 19)"),
-    ("damping", "Against approach (eq. 20)"),
-    ("turning", "Sideways (eq. 22)"),
-    ("safety", "To the centre of the bound (eq. 23)"),
+/// Terms of the force field, with their equations in Kim, Kim and Shin 2003b, and colours on dark and on light ground.
+pub const FORCE_TERMS: [(&str, &str, [u32; 2]); 6] = [
+    ("driving", "Toward the desired velocity along the route (eq. 17)", [0x5fd068, 0x1d7a2a]),
+    ("interaction", "Attraction and repulsion (eq. 17)", [0x59b4ff, 0x1763b0]),
+    ("decelerating", "Slows down toward obstacles ahead (eq. 19)", [0xd98cff, 0x8a2fb8]),
+    ("damping", "Against approach (eq. 20)", [0xff8a5c, 0xb8480f]),
+    ("turning", "Sideways (eq. 22)", [0xffd84d, 0x8a6a00]),
+    ("safety", "To the centre of the bound (eq. 23)", [0x4fe0d0, 0x0a7d72]),
 ];
 
 /// More of one agent, in the world.

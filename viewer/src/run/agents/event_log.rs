@@ -1,6 +1,7 @@
 //! Event log of a crowd: the last events of every kind, and those of one agent.
 
 use super::rates::EventRates;
+use AgentEventKind::*;
 use glam::Vec3;
 use std::collections::VecDeque;
 use throng_crowd::{CrowdEventKind, Id};
@@ -99,24 +100,24 @@ impl EventFilter {
     }
 }
 
-/// All kinds in their order, with names and meanings.
-const KINDS: [(AgentEventKind, &str, &str); AgentEventKind::COUNT] = [
-    (AgentEventKind::Resetting, "resetting", "A bound touched the side of its region R and was reset"),
-    (AgentEventKind::Colliding, "colliding", "Two bounds touched; both were reset"),
-    (AgentEventKind::Meeting, "meeting", "A bound touched an obstacle and was reset"),
-    (AgentEventKind::Entering, "entering", "A bound touched a face of a cell and occupies the cells behind it"),
-    (AgentEventKind::Leaving, "leaving", "A bound no longer occupies the cells behind a face"),
-    (AgentEventKind::Contacting, "contacting", "Two agents touch and rest against each other"),
-    (AgentEventKind::Separating, "separating", "Two agents that touched separate"),
-    (AgentEventKind::Arrived, "arrived", "An agent reached the end of its route"),
-    (AgentEventKind::Left, "left", "An agent left the crowd at the end of its route"),
-    (AgentEventKind::Struck, "struck", "An obstacle that moves ran into an agent"),
-    (AgentEventKind::Stuck, "stuck", "An agent made no progress toward its goal for 10 s"),
-    (AgentEventKind::EnteredPlace, "came", "An agent came to a place"),
-    (AgentEventKind::LeftPlace, "went", "An agent went from a place"),
-    (AgentEventKind::Learnt, "learnt", "An agent came to know of a message"),
-    (AgentEventKind::Rule, "rule", "An agent followed a rule"),
-    (AgentEventKind::Edge, "edge", "An agent took an edge of a state-transition graph"),
+/// All kinds in their order, with names, meanings, and colours on dark and on light ground.
+const KINDS: [(AgentEventKind, &str, &str, [u32; 2]); AgentEventKind::COUNT] = [
+    (Resetting, "resetting", "A bound touched the side of its region R and was reset", [0x7d93b2, 0x5b7196]),
+    (Colliding, "colliding", "Two bounds touched; both were reset", [0xff6b8a, 0xc2185b]),
+    (Meeting, "meeting", "A bound touched an obstacle and was reset", [0xd9c24a, 0x8a7400]),
+    (Entering, "entering", "A bound touched a face of a cell and occupies the cells behind it", [0xb493ff, 0x6b3fd0]),
+    (Leaving, "leaving", "A bound no longer occupies the cells behind a face", [0x8f9bff, 0x4048c8]),
+    (Contacting, "contacting", "Two agents touch and rest against each other", [0xf2877d, 0xa33a2e]),
+    (Separating, "separating", "Two agents that touched separate", [0xb9c97a, 0x5d7010]),
+    (Arrived, "arrived", "An agent reached the end of its route", [0x55d98b, 0x14803f]),
+    (Left, "left", "An agent left the crowd at the end of its route", [0x4fd0d9, 0x0b7a86]),
+    (Struck, "struck", "An obstacle that moves ran into an agent", [0xff5df0, 0x9c0f9c]),
+    (Stuck, "stuck", "An agent made no progress toward its goal for 10 s", [0xff5f50, 0xc01f14]),
+    (EnteredPlace, "came", "An agent came to a place", [0xe6b06a, 0x95600f]),
+    (LeftPlace, "went", "An agent went from a place", [0xb8926a, 0x7a5a33]),
+    (Learnt, "learnt", "An agent came to know of a message", [0x6fd3ff, 0x0a6c9c]),
+    (Rule, "rule", "An agent followed a rule", [0xd9a0ff, 0x8324b8]),
+    (Edge, "edge", "An agent took an edge of a state-transition graph", [0xc8e06a, 0x557000]),
 ];
 
 impl AgentEventKind {
@@ -180,6 +181,11 @@ impl AgentEventKind {
     /// Meaning of the kind, in a sentence.
     pub fn meaning(self) -> &'static str {
         KINDS[self.number()].2
+    }
+
+    /// Colours of the kind on dark and on light ground (0xRRGGBB).
+    pub fn colours(self) -> [u32; 2] {
+        KINDS[self.number()].3
     }
 }
 

@@ -22,25 +22,7 @@ const MARK_Y: f32 = 0.022;
 
 /// Colour of a kind of events, in the view and in the panel.
 pub fn colour_of(what: AgentEventKind, dark: bool) -> Rgba {
-    let (on_dark, on_light) = match what {
-        AgentEventKind::Resetting => (0x7d93b2, 0x5b7196),
-        AgentEventKind::Colliding => (0xff6b8a, 0xc2185b),
-        AgentEventKind::Meeting => (0xd9c24a, 0x8a7400),
-        AgentEventKind::Entering => (0xb493ff, 0x6b3fd0),
-        AgentEventKind::Leaving => (0x8f9bff, 0x4048c8),
-        AgentEventKind::Contacting => (0xf2877d, 0xa33a2e),
-        AgentEventKind::Separating => (0xb9c97a, 0x5d7010),
-        AgentEventKind::Arrived => (0x55d98b, 0x14803f),
-        AgentEventKind::Left => (0x4fd0d9, 0x0b7a86),
-        AgentEventKind::Struck => (0xff5df0, 0x9c0f9c),
-        AgentEventKind::Stuck => (0xff5f50, 0xc01f14),
-        AgentEventKind::EnteredPlace => (0xe6b06a, 0x95600f),
-        AgentEventKind::LeftPlace => (0xb8926a, 0x7a5a33),
-        AgentEventKind::Learnt => (0x6fd3ff, 0x0a6c9c),
-        AgentEventKind::Rule => (0xd9a0ff, 0x8324b8),
-        AgentEventKind::Edge => (0xc8e06a, 0x557000),
-    };
-    Rgba::hex(if dark { on_dark } else { on_light })
+    Rgba::hex(what.colours()[usize::from(!dark)])
 }
 
 /// Duration of a mark of a kind (s).

@@ -2,7 +2,7 @@
 
 use super::{BOUND_Y, Brush};
 use crate::render::{Rgba, ShapeList};
-use crate::run::agents::{AgentDetails, agent_bound, agent_details};
+use crate::run::agents::{AgentDetails, FORCE_TERMS, agent_bound, agent_details};
 use crate::{command::OverlayScope, stage::cues};
 use glam::Vec3;
 use throng_geometry::BoundingBox;
@@ -13,21 +13,12 @@ const ARROW_RADII: f32 = 5.0;
 /// Smaller forces have no arrow, as shares of the largest acceleration.
 const LEAST_SHARE: f32 = 0.01;
 
-/// Colours of the terms of the force field: on dark, on light.
-const FORCES: [[u32; 2]; 6] = [
-    [0x5fd068, 0x1d7a2a],
-    [0x59b4ff, 0x1763b0],
-    [0xd98cff, 0x8a2fb8],
-    [0xff8a5c, 0xb8480f],
-    [0xffd84d, 0x8a6a00],
-    [0x4fe0d0, 0x0a7d72],
-];
 /// Colour of the acceleration that was applied: on dark, on light.
 pub const TAKEN: [u32; 2] = [0xffffff, 0x14171c];
 
 /// Colour of a term of the force field, in the view and in the panel (term < 6).
 pub fn colour_of_force(term: usize, dark: bool) -> Rgba {
-    Rgba::hex(FORCES[term][usize::from(!dark)])
+    Rgba::hex(FORCE_TERMS[term].2[usize::from(!dark)])
 }
 
 pub(super) fn lay_out(shapes: &mut ShapeList, simulation: &Simulation, who: usize, brush: &Brush<'_>) {
