@@ -348,7 +348,7 @@ pub(super) fn layer_pipelines(
             if layer.is_shadow() { (&shadow, shadow_groups, Face::Front) } else { (&body, groups, Face::Back) };
         // Clothes and hair are often made of single sheets.
         let hidden = Some(hidden).filter(|_| input == PipelineInput::Body);
-        let (stages, output) = (layer.stages(), layer.output());
+        let (stages, output) = layer.stages_and_output();
         PipelineRecipe { label, shader, stages, groups, input, output, strip: false, hidden }.build(device)
     })
 }

@@ -163,21 +163,13 @@ impl Layer {
         matches!(self, Self::Sun | Self::Contact)
     }
 
-    /// Entry points of the layer's shader.
-    pub fn stages(self) -> [&'static str; 2] {
+    /// Entry points of the layer's shader, and target of the layer.
+    pub fn stages_and_output(self) -> ([&'static str; 2], PipelineOutput) {
         match self {
-            Self::Solid | Self::Ghosts => ["vertex", "fragment"],
-            Self::Sun => ["sun_vertex", "sun_fragment"],
-            Self::Contact => ["contact_vertex", "contact_fragment"],
-        }
-    }
-
-    /// Target of the layer.
-    pub fn output(self) -> PipelineOutput {
-        match self {
-            Self::Solid => PipelineOutput::SOLID,
-            Self::Ghosts => PipelineOutput::GHOST,
-            Self::Sun | Self::Contact => PipelineOutput::Mask,
+            Self::Solid => (["vertex", "fragment"], PipelineOutput::SOLID),
+            Self::Ghosts => (["vertex", "fragment"], PipelineOutput::GHOST),
+            Self::Sun => (["sun_vertex", "sun_fragment"], PipelineOutput::Mask),
+            Self::Contact => (["contact_vertex", "contact_fragment"], PipelineOutput::Mask),
         }
     }
 }
