@@ -107,15 +107,9 @@ impl OverlapMeter {
 }
 
 /// Finder of boxes on the ground that intersect.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct NearPairs {
     grid: BoxGrid,
-}
-
-impl Default for NearPairs {
-    fn default() -> Self {
-        Self { grid: BoxGrid::with_capacity(0) }
-    }
 }
 
 impl NearPairs {

@@ -43,19 +43,12 @@ impl ReservedRegion {
 ///
 /// Groups that keep out of the regions of others, and reserve all that they may need for their actions and for the stop after
 /// them, never overlap each other.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ExternalObstacles {
     bodies: Vec<ExternalObstacle>,
     reserved: Vec<Capsule2d>,
     body_grid: BoxGrid,
     reserved_grid: BoxGrid,
-}
-
-impl Default for ExternalObstacles {
-    fn default() -> Self {
-        let grid = || BoxGrid::with_capacity(0);
-        Self { bodies: Vec::new(), reserved: Vec::new(), body_grid: grid(), reserved_grid: grid() }
-    }
 }
 
 impl ExternalObstacles {

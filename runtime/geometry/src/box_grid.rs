@@ -28,6 +28,12 @@ struct BoxSlot {
 
 const FREE: BoxSlot = BoxSlot { bounds: Bounds2d::EMPTY, next: NONE, before: NONE };
 
+impl Default for BoxGrid {
+    fn default() -> Self {
+        Self::with_capacity(0)
+    }
+}
+
 impl BoxGrid {
     /// Empty grid with room for `capacity` boxes; more boxes allocate memory.
     pub fn with_capacity(capacity: usize) -> Self {
