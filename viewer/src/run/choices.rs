@@ -99,24 +99,6 @@ pub struct PolicyChooser<'a> {
     pub now: u32,
 }
 
-impl PolicyChooser<'_> {
-    /// Present position of a subject; none if no behaviour has that subject.
-    pub fn subject_position(&self, about: GoalSubject) -> Option<Vec3> {
-        match about {
-            GoalSubject::Target => Some(self.target),
-            GoalSubject::Threat => self.threat,
-        }
-    }
-
-    /// Position of a subject at the last choice.
-    pub fn chosen_subject_position(&self, about: GoalSubject) -> Vec3 {
-        match about {
-            GoalSubject::Target => self.choice.target,
-            GoalSubject::Threat => self.choice.threat,
-        }
-    }
-}
-
 /// Contribution of one behaviour to a choice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BehaviourScore {
@@ -196,7 +178,7 @@ pub fn explain_choice(chooser: &PolicyChooser<'_>) -> Option<ChoiceReason> {
     let mut scores = vec![0.0; segments.len()];
     for (goal, &weight) in chooser.goals.iter().zip(c.weights.iter()) {
         let table = bundle.motion_set.policy(goal.policy)?;
-        let target = seen(chooser.chosen_subject_position(goal.subject));
+        let target = seen(if goal.subject == GoalSubject::Threat { c.threat } else { c.target });
         table.action_scores(choice.state, target, &mut scores).ok()?;
         let value = table.value(choice.state, target);
         let is_active = table.region().contains(target);

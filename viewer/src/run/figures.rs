@@ -3,7 +3,6 @@
 use glam::Vec3;
 use throng_core::{CharacterGroup, characters::Blow};
 use throng_precompute::run::{AgentsSummary, policy_characters};
-use throng_precompute::slip::SlipMeter;
 use throng_simulation::sparring::{BlowTally, StruckPart};
 use throng_simulation::{AnyCharacterGroup, Simulation};
 
@@ -14,12 +13,6 @@ pub struct Slip {
     pub mean_mps: f32,
     /// 95th percentile (m/s).
     pub p95_mps: f32,
-}
-
-impl From<&SlipMeter> for Slip {
-    fn from(m: &SlipMeter) -> Self {
-        Self { mean_mps: m.mean_mps() as f32, p95_mps: m.p95_mps() as f32 }
-    }
 }
 
 /// Results of all blows of a scene so far, and penetration of its pairs.

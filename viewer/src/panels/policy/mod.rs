@@ -92,8 +92,8 @@ fn coming_target(target: Vec3) -> Option<Vec3> {
 fn local_target(model: &Model, policy: usize) -> Option<Vec3> {
     let chooser = model.document.chooser(model.selection.character?)?;
     let is_threat = chooser.goals.iter().any(|g| g.policy == policy && g.subject == GoalSubject::Threat);
-    let subject = if is_threat { GoalSubject::Threat } else { GoalSubject::Target };
-    let target = coming_target(chooser.subject_position(subject)?)?;
+    let target = if is_threat { chooser.threat } else { Some(chooser.target) };
+    let target = coming_target(target?)?;
     let local = chooser.characters.root(chooser.number).inverse_transform_point(Vec2::new(target.x, target.z));
     Some(Vec3::new(local.x, target.y, local.y))
 }

@@ -111,7 +111,7 @@ impl SceneRunState {
         let is_full = |&who: &usize| detail_level(simulation, who) == DetailLevel::Full;
         self.feet.observe_simulation(simulation, (0..simulation.num_characters()).filter(is_full), dt_s);
         self.figures.at_target = count_at_target(simulation);
-        self.figures.slip = Slip::from(&self.feet);
+        self.figures.slip = Slip { mean_mps: self.feet.mean_mps() as f32, p95_mps: self.feet.p95_mps() as f32 };
         self.figures.bout = BoutFigures::collect_from(simulation);
         if let Some(meter) = self.agents.as_mut().filter(|_| step.is_multiple_of(LOOK_EVERY)) {
             self.figures.agents = Some(meter.observe(simulation));
