@@ -302,6 +302,44 @@ typedef struct ThrongLayers {
 } ThrongLayers;
 
 /**
+ * Order to a person of a scene: an agent, or a captured person on the way to a goal.
+ */
+typedef struct ThrongOrder {
+  /**
+   * `sizeof(ThrongOrder)`; all else may be 0, which lets it stop.
+   */
+  size_t struct_size;
+  /**
+   * 0: stops. 1: goes to `at`. 2: follows `whom`. 3: walks on at the velocity `at`.
+   */
+  uint32_t task;
+  /**
+   * Number of the person that it follows.
+   */
+  uint32_t whom;
+  /**
+   * Place in the world, or velocity along x and z (m, m/s).
+   */
+  float at[3];
+  /**
+   * Distance that is kept to `whom` (m); 0 for 1.5 m.
+   */
+  float keep_m;
+  /**
+   * Desired speed of an agent from now on (m/s); 0 leaves it as it is.
+   */
+  float speed_mps;
+  /**
+   * 1: it faces `heading` at its goal, or turns to it where it stops.
+   */
+  uint32_t faces;
+  /**
+   * Heading about +Y from +Z (rad).
+   */
+  float heading;
+} ThrongOrder;
+
+/**
  * Position and heading of a character.
  */
 typedef struct ThrongRoot {
@@ -686,6 +724,35 @@ enum ThrongStatus throng_characters_progress(struct ThrongSimulation simulation,
                                              struct ThrongId id,
                                              enum ThrongProgress *progress,
                                              float *left_m);
+
+/**
+ * Gives a person of a scene an order, which holds until the next one, or until a rule of its brain lets it act.
+ *
+ * @pre
+ * `order` points to as many bytes as its `struct_size` says.
+ */
+enum ThrongStatus throng_people_order(struct ThrongSimulation simulation,
+                                      struct ThrongId id,
+                                      const struct ThrongOrder *order);
+
+/**
+ * Raises an event of the scene for one agent alone, which learns of it.
+ *
+ * @pre
+ * `event` ends with a zero.
+ */
+enum ThrongStatus throng_people_raise(struct ThrongSimulation simulation, struct ThrongId id, const char *event);
+
+/**
+ * Sets a value of an agent's brain, within the limits of the scene.
+ *
+ * @pre
+ * `name` ends with a zero.
+ */
+enum ThrongStatus throng_people_set_value(struct ThrongSimulation simulation,
+                                          struct ThrongId id,
+                                          const char *name,
+                                          float value);
 
 /**
  * Number of floats of one matrix: 12 or 16; 0 for a layout that does not exist.
