@@ -188,7 +188,10 @@ impl PySimulation {
     /// Raises an event of the scene, for one agent alone if `who` is given.
     #[pyo3(name = "raise_event", signature = (event, who=None))]
     fn raise(&mut self, event: &str, who: Option<usize>) -> PyResult<()> {
-        let raised = who.map_or_else(|| self.sim.raise_event(event), |who| self.sim.raise_event_for(who, event));
+        let raised = match who {
+            Some(who) => self.sim.raise_event_for(who, event),
+            None => self.sim.raise_event(event),
+        };
         raised.map_err(error::runtime_error)
     }
 

@@ -93,7 +93,9 @@ fn spaces_come_back_as_they_were_written() {
     assert_eq!(tables.meta().blends.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["line", "plane"]);
     assert_eq!(tables.find_blend("plane").unwrap(), 1);
     let told = BundleReport::new(Path::new("a.throng"), &tables).expect("a report").to_string();
-    assert!(told.contains("blends   line: good; 2 examples of fast, slow\n"), "{told}");
+    // The soles of these made-up clips slide along.
+    assert!(told.contains("blends   line: usable (planted soles slip "), "{told}");
+    assert!(told.contains("); 2 examples of fast, slow\n"), "{told}");
     assert!(told.contains("blends   plane: ") && told.contains("6 examples of fast, fast_left,"), "{told}");
     let report = &BlendReport::of_bundle(&tables).expect("reports")[1];
     assert_eq!(report.quality, spaces().report[1].quality, "the same tables are judged alike");
