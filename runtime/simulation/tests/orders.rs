@@ -2,7 +2,6 @@
 
 use crate::snapshot::scenes::{PATCHES, TRAVELLERS, boxing, compile};
 use glam::{Vec2, Vec3};
-use throng_core::Error;
 use throng_simulation::{CharacterEvent, Order, Simulation};
 
 const AGENTS: &str = r#"
@@ -164,7 +163,9 @@ fn snapshots_keep_orders() {
         step(&mut other, 2.0);
         other.restore(&kept).unwrap();
         for _ in 0..300 {
-            [&mut sim, &mut other].map(|sim| sim.step(1.0 / 30.0).unwrap());
+            for sim in [&mut sim, &mut other] {
+                sim.step(1.0 / 30.0).unwrap();
+            }
             assert_eq!(sim.hash(), other.hash(), "at {} s", sim.time_s());
         }
         assert_eq!(sim.snapshot(), other.snapshot());
