@@ -62,10 +62,10 @@ fn a_round_begins_at_its_first_leg_unless_told_the_nearest() {
 
 #[test]
 fn who_leaves_a_course_is_told() {
-    // A wall leads them round, 8 m off the leg.
+    // A wall leads them round, 8 m off the leg; those who stray first do not stand at its end.
     let text = ROUNDS.replace("{ from = \"go\", to = \"home\" }", "{ from = \"go\", to = \"home\", on = \"strays\" }");
     let text = text.replace("20, 1000)", "1000, 1000)");
-    let wall = "[[environment.obstacles]]\nwall = { points = [[14.0, 0.0], [2.0, 0.0]] }\n";
+    let wall = "[[environment.obstacles]]\nwall = { points = [[18.0, 0.0], [2.0, 0.0]] }\n";
     let (sim, _) = run(&format!("{text}{wall}").replace("seconds = 260.0", "seconds = 40.0"));
     assert_eq!(states(&sim), [("home".into(), 5)], "they strayed");
     let (sim, _) = run(&text.replace("seconds = 260.0", "seconds = 40.0"));
