@@ -126,7 +126,7 @@ impl<V: Space> ProgressMeter<V> {
     }
 
     /// Agents that at any time stayed within half a metre for 10 s away from their goal, or did not come half a metre nearer in
-    /// 20 s; time for which they wait for a turn is left out, up to [`MOST_WAIT_S`].
+    /// 20 s; time for which they wait for a turn is left out, up to 60 s.
     pub fn stuck(&self) -> usize {
         self.agents.iter().filter(|m| m.is_stuck).count()
     }
