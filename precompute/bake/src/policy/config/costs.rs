@@ -63,7 +63,8 @@ impl CostsConfig {
     }
 
     pub(super) fn check(self) -> Result<()> {
-        let keys = ["backwards", "sideways", "gesture", "carrying", "manner_change_s", "standing_change_s", "made", "running"];
+        let keys =
+            ["backwards", "sideways", "gesture", "carrying", "manner_change_s", "standing_change_s", "made", "running"];
         let ranges: Vec<_> = keys.into_iter().zip(self.to_array()).map(|(key, cost)| (key, cost, 0.0, 60.0)).collect();
         check_ranges(ranges).map_err(|e| e.within_key("costs"))
     }
