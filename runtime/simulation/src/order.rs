@@ -29,7 +29,7 @@ const STEERS_M: f32 = 1.5;
 pub struct Order {
     task: OrderTask,
     keep_m: f32,
-    speed_mps: Option<f32>,
+    pub(crate) speed_mps: Option<f32>,
     pub(crate) heading: Option<f32>,
 }
 
@@ -56,7 +56,7 @@ impl Order {
         Self::new(OrderTask::Follow(whom))
     }
 
-    /// To walk on at a velocity along x and z (m/s), as a player steers; the speed is that of agents alone.
+    /// To walk on at a velocity along x and z (m/s), as a player steers; captured people take its direction alone.
     pub fn steer(velocity: Vec2) -> Self {
         Self::new(OrderTask::Steer(velocity))
     }
@@ -120,11 +120,6 @@ impl Order {
         matches!(self.task, OrderTask::Steer(_))
     }
 
-    /// True where a speed is asked for beside the way.
-    pub(crate) fn has_own_speed(&self) -> bool {
-        self.speed_mps.is_some()
-    }
-
     /// The order of who stands near another one, and faces it.
     pub(crate) fn facing(self, own: &Disc, other: Option<Vec3>) -> Self {
         let ahead = other.map(|at| maths::atan2(at.x - own.centre.x, at.z - own.centre.z));
@@ -141,7 +136,7 @@ impl Order {
         matches!(self.task, OrderTask::Follow(_) | OrderTask::Steer(_))
     }
 
-    /// Goals to try, and the distance from them at which it has arrived (m); none where it should stand.
+    /// Goals to try in turn, and the distance from them at which it has arrived (m); none where it should stand.
     ///
     /// - `other`: whom it is about (m); none who has left.
     pub(crate) fn goals(&self, own: &Disc, other: Option<Vec3>) -> ([Option<Vec3>; 3], f32) {

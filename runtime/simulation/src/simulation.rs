@@ -564,6 +564,10 @@ impl Simulation {
     /// Gives orders again whose goals have moved; who cannot get there any more goes on as before.
     fn renew_orders(&mut self) {
         for who in 0..self.orders.len() {
+            if self.orders[who].is_some() && self.brain_of(who).is_some_and(|(brains, number)| brains.acts(number)) {
+                // A rule has taken its place.
+                self.orders[who] = None;
+            }
             let Some((order, before)) = self.orders[who].filter(|(order, _)| order.is_renewed()) else { continue };
             let Some(own) = self.root(who).and(self.disc(who)) else { continue };
             let (goals, _) = order.goals(&own, order.whom().and_then(|whom| self.floor_position(whom)));
@@ -625,13 +629,19 @@ impl Simulation {
     /// [`Error::Index`], and [`Error::Text`] for who has no brain.
     pub fn explain(&self, who: usize) -> Result<Explanation> {
         check_index("person", None, who, self.num_characters())?;
+        let own = self.brain_of(who).ok_or_else(|| self.refusal(who, NO_BRAIN))?;
+        Ok(own.0.explain(own.1, self.time_s))
+    }
+
+    /// Brains that have that of a character, and its number among them.
+    fn brain_of(&self, who: usize) -> Option<(&AgentBrains, usize)> {
         let (group, number) = self.locate(who);
         let brains = match group {
             AnyCharacterGroup::Ground(agents) => agents.brains(),
             AnyCharacterGroup::Air(agents) => agents.brains(),
             _ => None,
         };
-        brains.map(|brains| brains.explain(number, self.time_s)).ok_or_else(|| self.refusal(who, NO_BRAIN))
+        Some((brains?, number))
     }
 
     fn change_brain(&mut self, who: usize, change: BrainChange<'_>) -> Result<()> {

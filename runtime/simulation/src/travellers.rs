@@ -465,6 +465,8 @@ impl MotionKind for Travellers {
         check_snapshot(travels.len() == self.travels.len(), TRAVELS.what, "its travels are others")?;
         for number in 0..travels.len() {
             let order = travels[number].order;
+            let is_sound = order.is_none_or(|o| [o.to, o.at].iter().flat_map(Vec3::to_array).all(|x| x.abs() < 1e6));
+            check_snapshot(is_sound, TRAVELS.what, "an order of its leads nowhere")?;
             let set = if order == self.travels[number].order { Ok(()) } else { self.set_route(number, order.as_ref()) };
             check_snapshot(set.is_ok(), TRAVELS.what, "an order of its leads nowhere")?;
         }
@@ -481,7 +483,7 @@ impl MotionKind for Travellers {
         let row = self.row(number).ok_or(Error::Gone(id))?;
         let why = "its people have the speeds of their motion: give no speed, or take `motion = \"blend\"`";
         let key = format!("groups[{}]", self.layout.groups[number]);
-        ensure(!order.has_own_speed(), || self.scene.fault(&key, why))?;
+        ensure(order.speed_mps.is_none(), || self.scene.fault(&key, why))?;
         let root = self.people.bodies().roots[row];
         let at = Vec3::new(root.x, self.people.characters().floor_m(row), root.z);
         let (to, arrival_m) = goal.unwrap_or((at, GOAL_NEAR_M));

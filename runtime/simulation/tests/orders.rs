@@ -123,6 +123,13 @@ fn a_rule_acts_on_one_agent_alone() {
     assert!(at(&sim, 1).distance(Vec2::new(-12.0, -9.0)) < 1.0, "a rule takes the place of the order");
     assert!(at(&sim, 2).distance(Vec2::new(-14.0, 12.0)) < 1.0);
     assert!([0, 3].iter().zip(others).all(|(who, before)| at(&sim, *who).distance(before) < 1.0), "others stay");
+    // A rule takes the place of an order whose goal moves, too.
+    sim.order(2, Order::go(Vec3::new(8.0, 0.0, 12.0))).unwrap();
+    sim.order(3, Order::follow(2)).unwrap();
+    step(&mut sim, 2.0);
+    sim.raise_event_for(3, "bell").unwrap();
+    step(&mut sim, 20.0);
+    assert!(at(&sim, 3).distance(Vec2::new(-14.0, 12.0)) < 1.0, "{} follows on", at(&sim, 3));
     let courage = |who| sim.explain(who).unwrap().values.into_iter().find(|v| v.name == "courage").unwrap().value;
     assert_eq!([0, 1].map(courage), [0.2, 0.9]);
     let fails = [

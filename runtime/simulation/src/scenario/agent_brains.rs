@@ -290,6 +290,11 @@ impl AgentBrains {
         self.brains.len()
     }
 
+    /// True for an agent that acts by a rule or in a state (agent < number of agents).
+    pub(crate) fn acts(&self, agent: usize) -> bool {
+        self.brains[agent].action != NONE
+    }
+
     /// True where there are no agents.
     pub fn is_empty(&self) -> bool {
         self.brains.is_empty()

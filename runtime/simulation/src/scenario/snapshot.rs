@@ -71,7 +71,12 @@ impl AgentBrains {
         // Between two calls, only primitive behaviours go on.
         let is_doing = |brain: &AgentBrain| match scenario.actions.get(brain.action as usize) {
             Some(CompiledAction::Primitive { .. }) => true,
-            _ => brain.phase == ActionPhase::Idle && [brain.stands_until_s, brain.gives_up_at_s] == [f64::INFINITY; 2],
+            // Who tries again has an action to begin with.
+            first => {
+                let again_at_s = if first.is_some() { f64::INFINITY } else { brain.acts_again_at_s };
+                let times = [brain.stands_until_s, brain.gives_up_at_s, again_at_s];
+                brain.phase == ActionPhase::Idle && times == [f64::INFINITY; 3]
+            }
         };
         let is_action = |a: u32| a == NONE || (a as usize) < scenario.actions.len();
         let is_reason = |r: &ActionReason| {
