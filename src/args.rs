@@ -3,19 +3,11 @@
 use clap::{Arg, Command};
 use std::any::TypeId;
 use std::path::{Path, PathBuf};
-use throng_core::Bundle;
-use throng_core::base::error::ensure;
-use throng_core::base::limits;
-use throng_core::characters::ActionChoice;
+use throng_core::{Bundle, base::error::ensure, base::limits, characters::ActionChoice};
 use throng_crowd::Scheme;
-use throng_precompute::cache::Cache;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::error::Result;
 use throng_precompute::import::{self, ImportConfig, UpAxis};
-use throng_precompute::run::motion_name;
-use throng_precompute::trial::TrialConfig;
-use throng_simulation::Scene;
-use throng_simulation::scene::engine;
+use throng_precompute::{cache::Cache, config::BuildConfig, error::Result, run::motion_name, trial::TrialConfig};
+use throng_simulation::{Scene, scene::engine};
 
 /// Text that is printed if no command is given.
 pub const FIRST_STEPS: &str = "\

@@ -7,17 +7,10 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use throng_core::base::error::ensure;
-use throng_precompute::activities::ActivityReport;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::error::BuildError;
-use throng_precompute::examples::BlendReport;
-use throng_precompute::parts::RequiredParts;
-use throng_precompute::patch::Freedom;
-use throng_precompute::pipeline;
 use throng_precompute::policy::{AdaptiveReport, Approximation};
-use throng_precompute::report::BuildReport;
-use throng_precompute::trial::TrialReport;
 use throng_precompute::verdict::{self, Verdict};
+use throng_precompute::{activities::ActivityReport, examples::BlendReport, parts::RequiredParts, report::BuildReport};
+use throng_precompute::{config::BuildConfig, error::BuildError, patch::Freedom, pipeline, trial::TrialReport};
 
 /// Bake motion files into a bundle.
 ///

@@ -1,12 +1,10 @@
 //! `throng cache`: stage outputs of earlier builds, for reuse.
 
-use crate::args::CommandResult;
-use crate::{keys, output};
+use crate::{args::CommandResult, keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::{collections::BTreeMap, time::SystemTime};
 use throng_precompute::cache::Cache;
 
 /// List what the cache keeps, or clear it. Builds keep the outputs of their stages there, up to `--cache-limit`.

@@ -5,12 +5,9 @@ use crate::{build, help, keys, output, progress, run};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use throng_precompute::cache::Cache;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::report::BuildReport;
 use throng_precompute::synth::{SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig, TrialReport};
-use throng_precompute::{picture, pipeline, synth};
+use throng_precompute::{cache::Cache, config::BuildConfig, picture, pipeline, report::BuildReport, synth};
 
 /// Synthesise motion, bake it, run 1000 characters, draw a picture.
 #[derive(clap::Args)]

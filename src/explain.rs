@@ -3,9 +3,7 @@
 use crate::args::{CacheArgs, CommandResult, fail};
 use crate::{keys, output};
 use serde::Serialize;
-use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::path::PathBuf;
+use std::{collections::BTreeMap, fmt::Write, path::PathBuf};
 use throng_core::base::limits;
 use throng_precompute::run::RunRecording;
 use throng_simulation::scenario::{AgentBrains, Explanation, KnownEvent};

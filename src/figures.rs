@@ -1,7 +1,6 @@
 //! Figures of scenes, for people.
 
-use crate::args::CommandResult;
-use crate::output;
+use crate::{args::CommandResult, output};
 use throng_precompute::run::SceneFigures;
 
 /// Prints what was measured of a scene or a group, below a line about it.

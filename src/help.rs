@@ -1,10 +1,8 @@
 //! `throng help`, and the layout of help texts: an option has one row where it fits, and rare options are in groups.
 
-use crate::Cli;
 use crate::args::{CommandResult, accept_negative_numbers, fail};
-use crate::{output, view};
-use clap::error::ErrorKind;
-use clap::{Arg, ArgAction, Command, CommandFactory};
+use crate::{Cli, output, view};
+use clap::{Arg, ArgAction, Command, CommandFactory, error::ErrorKind};
 use std::ffi::OsString;
 
 /// Width of help texts (columns).

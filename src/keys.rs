@@ -1,7 +1,6 @@
 //! The lists of JSON keys in `--help`, derived from the structs that are printed.
 
-use schemars::JsonSchema;
-use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, generate::SchemaSettings};
 use serde_json::{Map, Value};
 
 /// Help text with every key of a printed struct and its meaning, one a line; keys of lists and objects are indented.

@@ -4,12 +4,10 @@ use crate::args::{CommandResult, fail};
 use crate::{help, keys, output};
 use glam::Vec2;
 use std::path::{Path, PathBuf};
-use throng_core::base::error::ensure;
-use throng_core::base::limits;
+use throng_core::{base::error::ensure, base::limits};
 use throng_level::{LEVEL_MAGIC, Level, LevelPath};
 use throng_level_bake::{LevelSettings, LevelSource, bake};
-use throng_precompute::inspect::LevelReport;
-use throng_precompute::{files, picture};
+use throng_precompute::{files, inspect::LevelReport, picture};
 use throng_simulation::Scene;
 
 /// Make a level, the ground that one can walk on: of a mesh (.glb, .gltf, .obj), a plan in metres (.geojson), or the obstacles

@@ -2,11 +2,10 @@
 
 use crate::output;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
-use std::time::Duration;
+use std::{io::IsTerminal, time::Duration};
 use tempfile::TempDir;
 use throng_precompute::progress::{BuildStatus, Progress};
 

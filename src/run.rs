@@ -4,26 +4,17 @@ use crate::args::{
     CacheArgs, CommandResult, CrowdArgs, MOTION_FLAGS, SelectArgs, UnitArgs, fail, given_flags, is_bundle, is_toml,
     load_scene, named_engine,
 };
-use crate::figures::print_figures;
-use crate::{build, help, keys, output, progress};
+use crate::{build, figures::print_figures, help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::fmt::Write;
-use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use throng_core::Bundle;
-use throng_core::base::error::ensure;
-use throng_core::base::limits;
+use std::{fmt::Write, net::SocketAddr};
+use throng_core::{Bundle, base::error::ensure, base::limits};
 use throng_precompute::activities::ActivityReport;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::error::Result;
-use throng_precompute::examples::BlendReport;
-use throng_precompute::files;
 use throng_precompute::live::{LiveConfig, LiveReport, SceneServer};
-use throng_precompute::picture;
 use throng_precompute::run::{self, BuildContext, SceneReport, SceneRunConfig, TrajectoryPoint};
 use throng_precompute::trial::{self, TrialReport};
-use throng_precompute::verdict::Verdict;
+use throng_precompute::{config::BuildConfig, error::Result, examples::BlendReport, files, picture, verdict::Verdict};
 use throng_simulation::{CompiledScene, GroupMotion, Scene};
 
 /// Run a scene, or characters on a bundle that each chase a target of their own, and measure them.

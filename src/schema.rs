@@ -1,10 +1,8 @@
 //! `throng schema`: schemas of input files.
 
-use crate::args::CommandResult;
-use crate::output;
+use crate::{args::CommandResult, output};
 use throng_planner::task::Task;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::run::scene_schema;
+use throng_precompute::{config::BuildConfig, run::scene_schema};
 
 /// Print a JSON schema of config, scene or task files.
 #[derive(clap::Args)]

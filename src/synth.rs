@@ -1,7 +1,6 @@
 //! `throng synth`: synthetic motion as ordinary files.
 
-use crate::args::CommandResult;
-use crate::{help, keys, output};
+use crate::{args::CommandResult, help, keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;

@@ -1,7 +1,6 @@
 //! `throng verify`: checks that a bundle is intact.
 
-use crate::args::CommandResult;
-use crate::{keys, output};
+use crate::{args::CommandResult, keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;

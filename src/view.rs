@@ -2,10 +2,9 @@
 
 use crate::args::{CommandResult, fail};
 use crate::output;
-use std::ffi::OsString;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+use std::{ffi::OsString, io::Write};
 use throng_core::base::error::ensure;
 
 /// Command that builds the viewer beside this executable, in the same profile.

@@ -3,8 +3,7 @@
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use throng_base::Error;
-use throng_base::error::ensure;
+use throng_base::{Error, error::ensure};
 use throng_runtime::format::FormatError;
 
 /// Status of a call. `throng_last_error` has the reason in words.

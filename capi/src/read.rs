@@ -4,8 +4,7 @@ use crate::fault::{CallFault, ThrongStatus, catch_fault, check_pointer, copy_rec
 use crate::layout::{checked_layout, matrix_floats, root_matrix, write_matrix};
 use crate::scene::ThrongId;
 use crate::stage::{LiveSimulation, ThrongSimulation};
-use throng_base::Id;
-use throng_base::error::ensure;
+use throng_base::{Id, error::ensure};
 use throng_runtime::body::{BodyEvent, BodyEventKind};
 use throng_runtime::simulation::{CharacterEvent, SimulationEvent};
 use throng_runtime::{CharacterGroup, Mat3x4, NUM_JOINTS, Planar};

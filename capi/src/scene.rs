@@ -4,8 +4,7 @@ use crate::fault::{CallFault, CallResult, ThrongStatus, catch_fault, check_point
 use crate::stage::{LiveSimulation, ThrongSimulation, register_simulation};
 use crate::tables::{BUNDLES, ThrongBundle};
 use std::ffi::c_char;
-use throng_base::Id;
-use throng_base::error::ensure;
+use throng_base::{Id, error::ensure};
 use throng_runtime::body::{ArmLayer, BodyLayers};
 use throng_runtime::characters::{ActionChoice, AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
 use throng_runtime::simulation::{Scene, Simulation};

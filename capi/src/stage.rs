@@ -1,14 +1,10 @@
 //! Steps, states and snapshots of simulations.
 
 use crate::fault::{CallFault, CallResult, ThrongStatus, catch_fault, copy_records, read_slice, write_result};
-use crate::handles::HandleTable;
-use crate::work_queue::WorkQueue;
+use crate::{handles::HandleTable, work_queue::WorkQueue};
 use std::sync::{Arc, Mutex, TryLockError};
-use throng_base::error::ensure;
-use throng_base::{Bytes, Executor, Inline, SnapshotKind};
-use throng_runtime::CharacterGroup;
-use throng_runtime::characters::PolicyCharacters;
-use throng_runtime::simulation::Simulation;
+use throng_base::{Bytes, Executor, Inline, SnapshotKind, error::ensure};
+use throng_runtime::{CharacterGroup, characters::PolicyCharacters, simulation::Simulation};
 
 /// A simulation of characters. Only one thread at a time may call with it, except for `throng_simulation_help`.
 #[repr(C)]

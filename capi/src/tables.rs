@@ -5,8 +5,7 @@ use crate::fault::{
 };
 use crate::handles::HandleTable;
 use std::ffi::c_char;
-use throng_runtime::format::AlignedBytes;
-use throng_runtime::{Bundle, Joint, NUM_JOINTS};
+use throng_runtime::{Bundle, Joint, NUM_JOINTS, format::AlignedBytes};
 
 /// Number of joints of every skeleton; parents come before their children.
 pub const THRONG_NUM_JOINTS: usize = 22;

@@ -5,8 +5,7 @@ use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_core::base::error::ensure;
-use throng_core::base::limits;
+use throng_core::{base::error::ensure, base::limits};
 use throng_precompute::measure::{self, BundleMeasureConfig, CharactersFigures, LevelFigures};
 
 /// Measure queries, sampling and steps of a bundle beside copying the same bytes.

@@ -1,13 +1,10 @@
 //! `throng bench crowd`: cost, progress and overlaps of crowds.
 
 use crate::args::{CommandResult, named_engine};
-use crate::figures::print_figures;
-use crate::{keys, output};
+use crate::{figures::print_figures, keys, output};
 use serde::Serialize;
-use std::collections::BTreeMap;
-use std::path::Path;
-use throng_core::base::error::ensure;
-use throng_core::base::limits;
+use std::{collections::BTreeMap, path::Path};
+use throng_core::{base::error::ensure, base::limits};
 use throng_crowd::Scheme;
 use throng_precompute::run::{self, BUILT_IN_SCENES, SceneFigures, built_in_scene};
 use throng_simulation::Scene;

@@ -4,13 +4,10 @@ use crate::args::{CacheArgs, CommandResult, is_bundle, open_bundle};
 use crate::{keys, output, run};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::collections::BTreeMap;
-use std::path::PathBuf;
-use throng_precompute::config::BuildConfig;
+use std::{collections::BTreeMap, path::PathBuf};
 use throng_precompute::drills::{self, DrillFigures};
-use throng_precompute::quality::MotionQuality;
-use throng_precompute::run::motion_name;
 use throng_precompute::trial::{self, TrialConfig, TrialReport};
+use throng_precompute::{config::BuildConfig, quality::MotionQuality, run::motion_name};
 
 /// Compare motion at run time with its clips: moving, standing and changing apart, and answers to orders.
 ///

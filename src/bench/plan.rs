@@ -8,15 +8,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use throng_core::base::error::ensure;
-use throng_planner::clips::with_motion;
 use throng_planner::planner::{Budget, LimbPlanner, PlanConfig};
-use throng_planner::recheck::Recheck;
-use throng_planner::setup::SELF_PRESS_M;
-use throng_planner::task::Task;
-use throng_precompute::Clip;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::plans;
+use throng_planner::{clips::with_motion, recheck::Recheck, setup::SELF_PRESS_M, task::Task};
 use throng_precompute::plans::scenes::{self, PlanScene, SCENES};
+use throng_precompute::{Clip, config::BuildConfig, plans};
 
 /// Measure plans of limbs: how often they succeed, what they take, how smooth they are.
 ///

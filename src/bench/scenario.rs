@@ -2,8 +2,7 @@
 
 use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output};
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 use throng_core::base::limits;
 use throng_precompute::run::{ScenarioFigures, measure_scenario};
 use throng_simulation::Scene;

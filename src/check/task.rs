@@ -5,8 +5,7 @@ use crate::output;
 use schemars::JsonSchema;
 use serde::Serialize;
 use throng_planner::task::{MeshPreview, StepPreview, Task};
-use throng_precompute::config::BuildConfig;
-use throng_precompute::plans;
+use throng_precompute::{config::BuildConfig, plans};
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]

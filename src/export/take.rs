@@ -5,14 +5,10 @@ use crate::args::{CacheArgs, CommandResult, fail, given_flags, is_bundle, is_tom
 use crate::{output, progress};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use throng_core::base::error::ensure;
-use throng_core::base::limits;
+use throng_core::{base::error::ensure, base::limits};
 use throng_precompute::export::{Glb, Take, bvh, take_csv, usda, write_amass, write_each_actor, write_npz};
-use throng_precompute::files;
 use throng_precompute::perform::{self, PerformConfig, PerformSource, perform};
-use throng_precompute::run::RunRecording;
-use throng_precompute::trial::TrialConfig;
-use throng_precompute::wearer::Wearer;
+use throng_precompute::{files, run::RunRecording, trial::TrialConfig, wearer::Wearer};
 
 /// Options of takes.
 #[derive(clap::Args)]

@@ -5,14 +5,11 @@ use crate::{help, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
-use throng_core::Joint;
-use throng_core::base::error::ensure;
+use throng_core::{Joint, base::error::ensure};
 use throng_precompute::environment::{InferReport, InferredEnvironment, infer_environment};
-use throng_precompute::import;
 use throng_precompute::picture::{self, BodyColours, BodyFigure, Colour, Picture};
 use throng_precompute::picture::{WorldCamera, WorldFigure, WorldSheet};
-use throng_precompute::stitch::SavedFiles;
-use throng_precompute::{BuildError, Clip, ClipSet, Warnings, files, pipeline};
+use throng_precompute::{BuildError, Clip, ClipSet, Warnings, files, import, pipeline, stitch::SavedFiles};
 
 /// Least distance between bodies in a picture (m).
 const MIN_DISTANCE_M: f32 = 0.5;

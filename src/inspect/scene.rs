@@ -6,12 +6,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use throng_core::base::error::ensure;
-use throng_planner::correct::CollisionStretch;
-use throng_planner::task::Task;
-use throng_precompute::cache::Cache;
-use throng_precompute::plans;
-use throng_precompute::progress::Silent;
+use throng_planner::{correct::CollisionStretch, task::Task};
 use throng_precompute::run::{BuildContext, News};
+use throng_precompute::{cache::Cache, plans, progress::Silent};
 
 /// Printed report.
 #[derive(Serialize, JsonSchema)]

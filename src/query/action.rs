@@ -6,9 +6,8 @@ use glam::Vec3;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_core::base::error::ensure;
-use throng_core::base::limits;
 use throng_core::policy::{BestActionJob, MAX_ACTIONS, TargetGrid};
+use throng_core::{base::error::ensure, base::limits};
 
 /// Ask a policy of a bundle for the action of a state and a target.
 #[derive(clap::Args)]

@@ -3,13 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use throng_base::error::ensure;
-use throng_base::thresholds::WALKING_MPS;
+use throng_base::{error::ensure, thresholds::WALKING_MPS};
 use throng_core::Contacts;
 use throng_core::format::{ActivityMeta, Gait, MotionClass, Posture};
-use throng_motion::annotate::classes::NO_MANNER;
-use throng_motion::import::matches;
 use throng_motion::{BuildError, Clip, ClipSet, ExclusionReason, FrameRange, Result, runs_where};
+use throng_motion::{annotate::classes::NO_MANNER, import::matches};
 
 /// Hips lower than this share of their height at the beginning show a body that sits or kneels.
 const SEATED: f32 = 0.8;

@@ -6,10 +6,9 @@ mod objects;
 
 use folder::FolderStorage;
 use serde::{Serialize, de::DeserializeOwned};
-use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::SystemTime;
+use std::{fmt::Debug, time::SystemTime};
 use throng_motion::error::{BuildError, Result, Warnings};
 use xxhash_rust::xxh3::Xxh3;
 

@@ -1,13 +1,9 @@
 //! Config of a build: one TOML file, with a table of settings for each stage.
 
 use crate::activities::{ActivityConfig, ActivitySearch};
-use crate::cluster::ClusterConfig;
-use crate::examples::BlendConfig;
-use crate::features::FeaturesConfig;
-use crate::graph::MotionGraphConfig;
-use crate::patch::PatchConfig;
 use crate::policy::{BehaviourKind, PolicyBehaviourConfig, PolicyConfig};
-use crate::select::ClipSelection;
+use crate::{cluster::ClusterConfig, examples::BlendConfig, patch::PatchConfig, select::ClipSelection};
+use crate::{features::FeaturesConfig, graph::MotionGraphConfig};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -15,9 +11,7 @@ use std::path::{Path, PathBuf};
 use throng_base::text::TomlSource;
 use throng_motion::annotate::{AnnotateConfig, Sidecar};
 use throng_motion::import::{self, ImportConfig};
-use throng_motion::resample::ResampleConfig;
-use throng_motion::retarget::RetargetConfig;
-use throng_motion::{BuildError, Result};
+use throng_motion::{BuildError, Result, resample::ResampleConfig, retarget::RetargetConfig};
 use throng_synth::SynthInput;
 
 /// Config of a build. Every table but `inputs` or `synth` may be left out.

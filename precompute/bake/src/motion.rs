@@ -6,12 +6,9 @@ mod streamed;
 pub use shard::{Shard, ShardReport, bake_shard};
 
 use crate::cache::{Cache, CacheKey};
-use crate::config::BuildConfig;
-use crate::environment::UnitSet;
-use crate::parts::RequiredParts;
-use crate::patch;
 use crate::provenance::{self, FileKeys, Provenance};
 use crate::stages::{MotionOutput, SourcePerformer, Stages};
+use crate::{config::BuildConfig, environment::UnitSet, parts::RequiredParts, patch};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,11 +1,7 @@
 //! The offline build, in reading order. One line = one stage = one module.
 
 use crate::cache::{Cache, CacheKey};
-use crate::config::BuildConfig;
-use crate::environment::UnitSet;
-use crate::examples::BlendSpaces;
 use crate::graph::{MotionGraphConfig, TakenMotion};
-use crate::motion::MotionStages;
 pub use crate::motion::{Shard, ShardReport, bake_shard};
 use crate::parts::{Attempts, RequiredParts, SkippedPart, is_of_motion};
 use crate::patch::{self, PatchConfig, RawPatches, TileConfig};
@@ -15,19 +11,18 @@ use crate::share::{clip_owners, sort_by_owner};
 use crate::stages::{MotionOutput, StageOutput, Stages, stage_error};
 use crate::write::{self, BundleInputs};
 use crate::{activities, cluster, examples, features, graph, make, policy, provenance, stops};
+use crate::{config::BuildConfig, environment::UnitSet, examples::BlendSpaces, motion::MotionStages};
 use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use throng_base::thresholds::WALKING_MPS;
-use throng_base::{Comm, SingleRank};
+use throng_base::{Comm, SingleRank, thresholds::WALKING_MPS};
 use throng_core::format::{ActivityMeta, MAGIC};
 use throng_motion::annotate::{self, Sidecar, Sidecars};
 use throng_motion::error::{BuildError, Result, Warnings};
-use throng_motion::import::ImportedClip;
-use throng_motion::resample::ResampleConfig;
 use throng_motion::{ClipSet, FrameRange, Progress, files, resample, retarget};
+use throng_motion::{import::ImportedClip, resample::ResampleConfig};
 
 /// Bakes the files of a config into a bundle.
 ///

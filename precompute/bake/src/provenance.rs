@@ -1,9 +1,8 @@
 //! Files that a build depends on, with their hashes.
 
 use crate::cache::{CacheKey, content_hash};
-use crate::config::BuildConfig;
 use crate::environment::{UnitSet, UnitShape, buffer_files};
-use crate::graph::GraphReport;
+use crate::{config::BuildConfig, graph::GraphReport};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;

@@ -1,8 +1,7 @@
 //! A config with its motion replaced by other files: settings of its own clips do not apply to them.
 
-use crate::config::BuildConfig;
 use crate::examples::{AxisKind, BlendConfig, FindConfig};
-use crate::patch::TileConfig;
+use crate::{config::BuildConfig, patch::TileConfig};
 use std::path::PathBuf;
 use throng_motion::error::Result;
 use throng_motion::import::{self, matches};

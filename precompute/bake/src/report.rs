@@ -1,25 +1,19 @@
 //! Report of a build, for people and for machines.
 
-use crate::activities::ActivityReport;
-use crate::cluster::PoseGroups;
-use crate::config::BuildConfig;
 use crate::examples::{BlendReport, BlendSpaces};
 use crate::graph::{GraphReport, MinMeanMax};
-use crate::make::MadeReport;
-use crate::parts::SkippedPart;
-use crate::patch::PatchReport;
-use crate::policy::PolicyReport;
 pub use crate::stages::SourcePerformer;
 pub use crate::stages::StageCost;
 use crate::stages::{BuildTiming, MotionOutput};
 use crate::stops::StopsReport;
 use crate::write::{BundleInputs, WrittenBundle};
+use crate::{activities::ActivityReport, policy::PolicyReport};
+use crate::{cluster::PoseGroups, config::BuildConfig, make::MadeReport, parts::SkippedPart, patch::PatchReport};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use throng_core::format::FrameRow;
-use throng_motion::Warnings;
-use throng_motion::annotate::ContactSanity;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
+use throng_motion::{Warnings, annotate::ContactSanity};
 
 /// Report printed by `throng build --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]

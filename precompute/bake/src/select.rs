@@ -2,8 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_motion::import::matches;
-use throng_motion::{BuildError, Result};
+use throng_motion::{BuildError, Result, import::matches};
 
 /// Most names in a message.
 const MAX_NAMED_CLIPS: usize = 6;

@@ -3,8 +3,7 @@
 use bytemuck::Pod;
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
-use throng_base::error::ensure;
-use throng_base::{Comm, rank_range, unexpected_message};
+use throng_base::{Comm, error::ensure, rank_range, unexpected_message};
 use throng_motion::{BuildError, Clip, ClipSet, Result};
 
 /// Results for each of `count` items, in order. Of N ranks each handles every N-th item, as expensive ones are often

@@ -3,9 +3,7 @@
 use crate::cache::{Cache, CacheKey};
 use crate::share::all_ranks_agree;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use std::cell::RefCell;
-use std::ops::Deref;
-use std::time::Instant;
+use std::{cell::RefCell, ops::Deref, time::Instant};
 use throng_base::Comm;
 use throng_motion::{BuildError, ClipSet, Progress, Result, Warnings, memory};
 

@@ -9,11 +9,9 @@ use crate::graph::{RawMotionGraph, SegmentId, StateId};
 use crate::share::{clip_owners, sort_by_owner};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-use throng_base::Comm;
-use throng_base::maths::quantile;
+use std::{cmp::Reverse, collections::BinaryHeap};
 use throng_base::thresholds::{HEAD_ROOM_M, TRUNK_ROOM_M};
+use throng_base::{Comm, maths::quantile};
 use throng_core::stops::{
     BODY_RADIUS_M, REST, SLOW_DOWN, SWEEP_TOLERANCE_M, StopRecord, SweepNode, SweepRecord, WALK_ON,
 };

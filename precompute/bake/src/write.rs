@@ -1,12 +1,9 @@
 //! Last stage: writes everything that was baked as one bundle.
 
-use crate::cluster::PoseGroups;
-use crate::examples::RawBlendSpace;
 use crate::graph::{GraphSegment, RawMotionGraph};
 use crate::patch::{RawPatch, RawPatches};
-use crate::policy::RawPolicy;
 use crate::share::{clip_owners, gather_to_first};
-use crate::stops::StopRows;
+use crate::{cluster::PoseGroups, examples::RawBlendSpace, policy::RawPolicy, stops::StopRows};
 use bytemuck::Zeroable;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -18,12 +15,9 @@ use throng_core::format::{
     RotationCode, SkeletonRecord,
 };
 use throng_core::graph::{MotionSegment, StateRecord};
-use throng_core::hits::KIND_NAMES;
 use throng_core::patch::{PairRecord, PatchRecord};
-use throng_core::planar::wrap_angle;
-use throng_core::{Bundle, Contacts, HitRecord, Planar, bundle::tags};
-use throng_motion::files::write_atomically;
-use throng_motion::{BuildError, Clip, ClipHit, ClipSet, Result, joint_transforms};
+use throng_core::{Bundle, Contacts, HitRecord, Planar, bundle::tags, hits::KIND_NAMES, planar::wrap_angle};
+use throng_motion::{BuildError, Clip, ClipHit, ClipSet, Result, files::write_atomically, joint_transforms};
 
 /// Contents of a bundle.
 #[derive(Clone, Copy, Debug)]

@@ -3,8 +3,7 @@
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::format::{ClassSpan, MADE_TAG, MotionClass};
-use throng_core::hits::KIND_NAMES;
-use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton, hits::KIND_NAMES};
 
 /// A run of frames `[start, end)`.
 pub type FrameRange = std::ops::Range<usize>;

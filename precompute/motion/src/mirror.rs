@@ -2,8 +2,7 @@
 
 use crate::clip::{Clip, ClipHit, ClipTag};
 use glam::{Quat, Vec3};
-use throng_core::format::ClassSpan;
-use throng_core::{Contacts, Joint, NUM_JOINTS};
+use throng_core::{Contacts, Joint, NUM_JOINTS, format::ClassSpan};
 
 /// Suffix of the name of a mirrored copy.
 pub const SUFFIX: &str = "~mirror";

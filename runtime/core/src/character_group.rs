@@ -1,12 +1,9 @@
 //! The interface of all kinds of motion.
 
-use crate::body::Mat3x4;
-use crate::bundle::Bundle;
-use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
+use crate::{body::Mat3x4, bundle::Bundle, planar::Planar};
 use glam::{Mat4, Vec3};
-use throng_base::error::ensure;
-use throng_base::{Error, Executor, Hash128, Id, Result, maths};
+use throng_base::{Error, Executor, Hash128, Id, Result, error::ensure, maths};
 
 /// Characters of one kind of motion: characters, walkers, agents, inhabitants, sparring pairs.
 ///

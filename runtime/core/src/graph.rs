@@ -1,7 +1,6 @@
 //! The motion graph as it is stored: states, the actions each may take, and the segments of motion they play.
 
-use crate::format::Table;
-use crate::planar::Planar;
+use crate::{format::Table, planar::Planar};
 use bytemuck::{Pod, Zeroable};
 
 /// A frame at which a character may choose.

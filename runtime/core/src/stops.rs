@@ -3,8 +3,7 @@
 //! With them a character can reserve the ground that it needs for an action and for the stop that may have to follow
 //! it, as the agents of event-driven crowds do (Kim, Kim and Shin 2003, section 2).
 
-use crate::format::Table;
-use crate::graph::MotionSegment;
+use crate::{format::Table, graph::MotionSegment};
 use bytemuck::{Pod, Zeroable};
 
 /// A body takes a disc of this radius about its planar root, or a larger one where trunk and head reach beyond it (m).

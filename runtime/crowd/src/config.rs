@@ -1,12 +1,9 @@
 //! Settings and setup of a crowd.
 
-use crate::routes::streets::Streets;
-use crate::{Agent, ForceField, Interest, Obstacle, Route, Senses, SteeringConfig};
+use crate::{Agent, ForceField, Interest, Obstacle, Route, Senses, SteeringConfig, routes::streets::Streets};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::Result;
-use throng_base::error::check_value;
-use throng_base::limits::CAPACITY;
+use throng_base::{Result, error::check_value, limits::CAPACITY};
 
 /// Scheme by which the crowd schedules its agents' events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

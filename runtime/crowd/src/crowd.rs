@@ -1,13 +1,10 @@
 //! The crowd as an application sees it: one type on the ground and in the air, compiled here.
 
 use crate::error::{CrowdError, Result};
-use crate::events::engine::Engine;
 use crate::events::event::{CrowdEvent, EventCounts};
 use crate::routes::order::{AgentOrder, AgentStatus};
-use crate::safety::rule::PlanCandidate;
-use crate::space::Space;
-use crate::space::plan::MotionPlan;
 use crate::{Agent, AtEnd, CrowdSetup, Forces, Id, PersonalInterest, Route, Sense};
+use crate::{events::engine::Engine, safety::rule::PlanCandidate, space::Space, space::plan::MotionPlan};
 use glam::{Vec2, Vec3};
 use throng_base::Executor;
 use throng_base::ground::{ExternalObstacle, ReservedRegion};

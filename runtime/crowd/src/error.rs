@@ -1,7 +1,6 @@
 //! Errors of setups and of runs.
 
-use throng_base::Id;
-use throng_base::error::Error;
+use throng_base::{Id, error::Error};
 
 /// Result of what a crowd does.
 pub(crate) type Result<T, E = CrowdError> = std::result::Result<T, E>;

@@ -2,24 +2,17 @@
 
 mod level;
 
-use crate::error::check;
 use crate::events::decide::{BEFORE_DOOR_M, SAME_GOAL_M};
-use crate::routes::goals::GoalTable;
-use crate::routes::guide::Guide;
 use crate::routes::passages::{GATHER_M, PassageAdvice, PassageTurn, PassageTurns, PassageUse, Passages};
 use crate::routes::path::{RouteCursor, RoutePath, is_in_solid};
-use crate::routes::streets::Streets;
 use crate::space::solid::{ConvexSolid, solids};
-use crate::steering::config::SteeringConfig;
-use crate::steering::density_grid::DensityGrid;
 use crate::steering::forces::{ForceSurroundings, SteeredAgent, desired_velocity};
-use crate::steering::retreat::BlockedAgent;
-use crate::steering::sight::SeenNeighbour;
-use crate::{AtEnd, CrowdError, ForceField, Obstacle, Route, Space};
+use crate::{AtEnd, CrowdError, ForceField, Obstacle, Route, Space, steering::density_grid::DensityGrid};
+use crate::{error::check, routes::goals::GoalTable, routes::guide::Guide, routes::streets::Streets};
+use crate::{steering::config::SteeringConfig, steering::retreat::BlockedAgent, steering::sight::SeenNeighbour};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use level::LevelRoutes;
-use throng_base::ground::FLOOR_M;
-use throng_base::{Error, Id, Result};
+use throng_base::{Error, Id, Result, ground::FLOOR_M};
 use throng_level::Level;
 
 /// Extent of the ground that the squares of the density grid cover before they repeat (m).

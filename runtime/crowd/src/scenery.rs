@@ -1,21 +1,14 @@
 //! Surroundings of the agents: obstacles by cell, routes, fields and limits.
 
 use crate::error::{CrowdError, Result, check};
-use crate::routes::goals::GoalTable;
-use crate::routes::passages::Passages;
 use crate::routes::path::{RoutePath, is_in_solid};
-use crate::routes::streets::Streets;
-use crate::safety::bound::narrowest_cell;
-use crate::space::cells::CellGrid;
-use crate::space::plan::MotionPlan;
 use crate::space::solid::{ConvexSolid, is_inside, solids};
-use crate::steering::config::SteeringConfig;
-use crate::steering::density_grid::DensityGrid;
-use crate::steering::keep_right::is_wall_within;
 use crate::{Agent, CrowdSetup, ForceField, Id, Interest, Obstacle, Route, Scheme, Space};
+use crate::{routes::goals::GoalTable, routes::streets::Streets, space::cells::CellGrid, space::plan::MotionPlan};
+use crate::{routes::passages::Passages, safety::bound::narrowest_cell, steering::config::SteeringConfig};
+use crate::{steering::density_grid::DensityGrid, steering::keep_right::is_wall_within};
 use serde::{Deserialize, Serialize};
-use throng_base::error::check_index;
-use throng_base::prefetch;
+use throng_base::{error::check_index, prefetch};
 
 /// Side of cells so large that all agents are in neighbouring ones (m).
 #[cfg(feature = "fixed-steps")]

@@ -1,8 +1,7 @@
 //! A crowd that several processes move together.
 
 use crate::crowd::{Crowd, SpaceEngine, each};
-use crate::error::Result;
-use crate::events::shared::SharedEngine;
+use crate::{error::Result, events::shared::SharedEngine};
 use glam::{Vec2, Vec3};
 use throng_base::Comm;
 

@@ -1,23 +1,18 @@
 //! Characters with policies: each with a target of its own, or in pairs that strike at each other.
 
-use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, load_same, saved_bytes};
 use crate::scene::{DragPoint, GroupConfig, GroupMotion, PlaceConfig, Scene};
 use crate::sparring::{PracticeConfig, Sparring, SparringConfig, TargetPractice};
-use crate::{CharacterEvent, SimulationEvent};
+use crate::{CharacterEvent, SimulationEvent, compile::CompiledScene};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use std::f32::consts::TAU;
-use std::sync::Arc;
-use throng_base::error::check_index;
-use throng_base::ground::ReservedRegion;
-use throng_base::thresholds::HALF_HEAD_M;
+use std::{f32::consts::TAU, sync::Arc};
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
+use throng_base::{error::check_index, ground::ReservedRegion, thresholds::HALF_HEAD_M};
 use throng_core::characters::{ActionChoice, AvoidConfig, CharactersConfig, Detail, PolicyOrder, Spawn};
-use throng_core::graph::MotionGraph;
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
-use throng_core::{Bundle, CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Bundle, CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar, graph::MotionGraph};
 
 /// Group of sparring pairs.
 #[derive(Clone, Debug)]

@@ -1,15 +1,11 @@
 //! List of all kinds of motion: a new kind gets a line at the end.
 
-use crate::agents::SceneAgents;
 use crate::boxing::{Bouts, Practice};
 use crate::inhabitant_group::InhabitantGroup;
 use crate::motion_kind::{GroupStep, MotionKind};
-use crate::travellers::Travellers;
-use crate::wander::Wanderers;
-use crate::{Order, SimulationEvent};
+use crate::{Order, SimulationEvent, agents::SceneAgents, travellers::Travellers, wander::Wanderers};
 use glam::{Vec2, Vec3};
-use throng_base::Result;
-use throng_base::ground::ReservedRegion;
+use throng_base::{Result, ground::ReservedRegion};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Defines the enum of all kinds of motion, without dynamic dispatch.

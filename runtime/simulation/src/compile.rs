@@ -5,9 +5,7 @@ use crate::scene::{ANY_PARTNER, GroupConfig, GroupMotion, InhabitantGoalConfig, 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_base::{Hash128, Result};
-use throng_core::Bundle;
-use throng_core::blend::BlendSpace;
-use throng_core::patch::LinkRecord;
+use throng_core::{Bundle, blend::BlendSpace, patch::LinkRecord};
 use throng_world::World;
 
 /// A scene with its bundles and worlds, ready to run. Clones share them.

@@ -1,8 +1,7 @@
 //! Expectations of a scene, measured while a simulation runs.
 
-use crate::agents::SceneAgents;
 use crate::scenario::{AgentsView, ExpectationMeters, ExpectationOutcome, ScenarioStage};
-use crate::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation};
+use crate::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation, agents::SceneAgents};
 use glam::Vec3;
 use throng_base::{Result, maths};
 use throng_crowd::Space;

@@ -1,17 +1,14 @@
 //! Characters that live in a stitched world and pursue one goal after another.
 
-use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, load_same, saved_bytes, single_pose};
 use crate::scene::{ANY_PARTNER, GoalConfig, InhabitantGoalConfig, Scene, WeightedGoal};
-use crate::{CharacterEvent, SimulationEvent};
+use crate::{CharacterEvent, SimulationEvent, compile::CompiledScene};
 use glam::{Vec2, Vec3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
-use std::sync::Arc;
-use throng_base::ground::ReservedRegion;
-use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
+use std::{ops::Range, sync::Arc};
+use throng_base::{Bytes, Error, Id, Result, SnapshotKind, ground::ReservedRegion};
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_world::inhabitants::{
     InhabitantActivity, InhabitantEvent, InhabitantGoal, InhabitantState, Inhabitants, InhabitantsConfig,

@@ -2,9 +2,7 @@
 
 use crate::{CharacterEvent, Order, SimulationEvent};
 use glam::Vec3;
-use throng_base::error::ensure;
-use throng_base::ground::ReservedRegion;
-use throng_base::{Bytes, Error, Executor, Hash128, Id, Result};
+use throng_base::{Bytes, Error, Executor, Hash128, Id, Result, error::ensure, ground::ReservedRegion};
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Inputs of one step of a group.

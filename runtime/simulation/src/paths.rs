@@ -7,8 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::PI;
 use throng_base::maths;
-use throng_core::planar::wrap_angle;
-use throng_core::walkers::Control;
+use throng_core::{planar::wrap_angle, walkers::Control};
 
 /// Largest angular acceleration (rad/s^2).
 const TURNING_ACCELERATION: f32 = 4.0;

@@ -6,12 +6,9 @@ use crate::agents::{advance_crowd, character_event};
 use crate::motion_kind::{check_snapshot, saved_bytes};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
-use throng_base::error::check_value;
-use throng_base::limits::STEP_S;
-use throng_base::{Bytes, Error, Executor, Result, SnapshotKind};
-use throng_core::blend::BlendSpace;
+use throng_base::{Bytes, Error, Executor, Result, SnapshotKind, error::check_value, limits::STEP_S};
 use throng_core::walkers::{Walkers, WalkersConfig};
-use throng_core::{AdoptReport, Bundle, CharacterGroup, OrderStatus, Planar, PosedBodies, Skeleton};
+use throng_core::{AdoptReport, Bundle, CharacterGroup, OrderStatus, Planar, PosedBodies, Skeleton, blend::BlendSpace};
 use throng_crowd::{Agent, AgentOrder, Crowd, CrowdError, Id};
 
 /// Events of each agent in a step for which memory is allocated at the start.

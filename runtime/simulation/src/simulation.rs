@@ -2,24 +2,16 @@
 
 use crate::agents::{Disc, HandlingCounts, SceneAgents};
 use crate::boxing::{Bouts, Practice};
-use crate::character_groups::AnyCharacterGroup;
-use crate::compile::CompiledScene;
-use crate::inhabitant_group::InhabitantGroup;
 use crate::motion_kind::{GroupStep, MotionKind, check_snapshot, saved_bytes};
-use crate::order::Order;
 use crate::scenario::{AgentBrains, BrainChange, Explanation};
 use crate::scene::{GroupConfig, GroupMotion, Scene, SpaceConfig};
-use crate::sparring::StruckPart;
-use crate::travellers::Travellers;
-use crate::wander::Wanderers;
+use crate::{character_groups::AnyCharacterGroup, inhabitant_group::InhabitantGroup};
+use crate::{compile::CompiledScene, order::Order, sparring::StruckPart, travellers::Travellers, wander::Wanderers};
 use glam::{Quat, Vec2, Vec3};
-use std::ops::Range;
-use std::time::Instant;
+use std::{ops::Range, time::Instant};
 use throng_base::error::{check_index, check_value};
 use throng_base::ground::{ExternalObstacles, ReservedRegion};
-use throng_base::limits::STEP_S;
-use throng_base::maths;
-use throng_base::{Bytes, Error, Executor, Id, Inline, Result, SnapshotKind, StateHash};
+use throng_base::{Bytes, Error, Executor, Id, Inline, Result, SnapshotKind, StateHash, limits::STEP_S, maths};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Events of one character in one step for which there is memory from the start.

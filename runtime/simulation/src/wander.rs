@@ -1,21 +1,17 @@
 //! Blended bodies of many sizes on random paths.
 
-use crate::SimulationEvent;
-use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, PART, check_snapshot, load_same, saved_bytes, single_pose};
-use crate::paths::RandomPath;
 use crate::scene::{BodiesConfig, Scene};
+use crate::{SimulationEvent, compile::CompiledScene, paths::RandomPath};
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 use throng_base::ground::{ExternalObstacle, ReservedRegion};
-use throng_base::maths;
-use throng_base::{Bytes, Error, Id, Result, SnapshotKind, run_each};
-use throng_core::body::HeightField;
-use throng_core::stops::BODY_RADIUS_M;
+use throng_base::{Bytes, Error, Id, Result, SnapshotKind, maths, run_each};
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{CharacterGroup, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{body::HeightField, stops::BODY_RADIUS_M};
 
 /// Length of a hill (m).
 const HILL_M: f32 = 24.0;

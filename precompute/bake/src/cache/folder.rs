@@ -2,9 +2,8 @@
 
 use super::{CacheStorage, LIMIT};
 use std::fs::{DirEntry, File};
-use std::io::ErrorKind;
-use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
+use std::{io::ErrorKind, path::PathBuf};
 use throng_base::file::read_file;
 use throng_motion::files::{remove_leftovers, write_quickly};
 use throng_motion::{BuildError, Result};

@@ -2,12 +2,10 @@
 
 use super::{CacheStorage, STORE};
 use object_store::aws::{AmazonS3, AmazonS3Builder, AmazonS3ConfigKey};
-use object_store::path::Path;
-use object_store::{ClientConfigKey, Error, ObjectStore, ObjectStoreExt, RetryConfig};
-use std::error::Error as _;
-use std::path::PathBuf;
+use object_store::{ClientConfigKey, Error, ObjectStore, ObjectStoreExt, RetryConfig, path::Path};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
+use std::{error::Error as _, path::PathBuf};
 use throng_motion::error::{BuildError, Result, ensure};
 use tokio::runtime::{Builder, Runtime};
 

@@ -1,8 +1,7 @@
 //! Complete linkage of any number of frames, in bounded memory.
 
-use super::linkage;
 use super::neighbours::{BoundedDistance, FrameSpace};
-use super::tree::ClusterItem;
+use super::{linkage, tree::ClusterItem};
 use crate::features::projection::{DIMS, ProjectedPoint};
 
 /// Near pairs a frame that may be held in memory, about 36 bytes each, within the limits below.

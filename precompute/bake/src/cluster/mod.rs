@@ -8,9 +8,7 @@ mod neighbours;
 mod tests;
 mod tree;
 
-use crate::features::Features;
-use crate::share::run_dealt;
-use crate::stages::stage_error;
+use crate::{features::Features, share::run_dealt, stages::stage_error};
 use neighbours::FrameSpace;
 use rayon::prelude::*;
 use schemars::JsonSchema;

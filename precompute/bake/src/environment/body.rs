@@ -2,8 +2,7 @@
 
 use super::{PlacedGeometry, UnitGeometry};
 use glam::{Quat, Vec3};
-use throng_core::patch::Placement;
-use throng_core::{BodyVolume, Contacts, Joint, JointCapsule, NUM_JOINTS, Skeleton};
+use throng_core::{BodyVolume, Contacts, Joint, JointCapsule, NUM_JOINTS, Skeleton, patch::Placement};
 use throng_geometry::BoundingBox;
 
 /// Number of spheres of a body.

@@ -1,8 +1,7 @@
 //! Reading and checking files of unit objects.
 
 use super::{UnitObject, UnitSet, UnitShape};
-use std::collections::BTreeSet;
-use std::path::Path;
+use std::{collections::BTreeSet, path::Path};
 use throng_base::text::TomlSource;
 use throng_motion::error::{BuildError, Result, ensure};
 

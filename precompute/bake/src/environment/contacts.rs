@@ -1,13 +1,11 @@
 //! Contacts with the geometry of an environment, and height of the support (Lee, Choi and Lee 2006, section 3).
 
-use super::PlacedGeometry;
-use super::placed::TouchedSurface;
 use super::touch::{GeometryTouchConfig, PARTS, SkinPoint, SkinPoints};
+use super::{PlacedGeometry, placed::TouchedSurface};
 use glam::Vec3;
 use throng_core::{Contacts, Skeleton};
-use throng_motion::Clip;
-use throng_motion::annotate::ContactConfig;
 use throng_motion::annotate::contacts::{hysteresis, speeds, trim};
+use throng_motion::{Clip, annotate::ContactConfig};
 
 /// Part number of the seat.
 const SEAT: usize = 6;

@@ -1,7 +1,6 @@
 //! Geometry of a unit object, computed once.
 
-use super::mesh::MAX_TRIANGLES;
-use super::{UnitObject, UnitSet, UnitSolid};
+use super::{UnitObject, UnitSet, UnitSolid, mesh::MAX_TRIANGLES};
 use glam::Vec3;
 use std::sync::Arc;
 use throng_geometry::{BoundingBox, BoundsTree};

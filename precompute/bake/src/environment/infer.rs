@@ -22,12 +22,10 @@ use glam::Vec3;
 use places::TouchKind;
 use plates::InferredPlate;
 use std::path::Path;
-use throng_core::Skeleton;
-use throng_core::patch::Placement;
+use throng_core::{Skeleton, patch::Placement};
 use throng_geometry::BoundingBox;
-use throng_motion::annotate::ContactConfig;
-use throng_motion::clip::Clip;
 use throng_motion::error::{BuildError, Result};
+use throng_motion::{annotate::ContactConfig, clip::Clip};
 
 /// Pieces nearer to each other than this form one unit (m).
 const UNIT_GAP: f32 = 0.75;

@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 use throng_base::file::read_file;
-use throng_motion::Result;
-use throng_motion::import::gltf;
 pub(super) use throng_motion::import::gltf::{MAX_TRIANGLES, triangles as read};
+use throng_motion::{Result, import::gltf};
 
 /// Buffer files of a `.gltf` file, for messages and provenance.
 ///

@@ -3,8 +3,7 @@
 use super::{AxisConfig, AxisKind, ClipTrack, Cycle, ExampleCandidate, ExampleSource};
 use glam::Vec3;
 use std::collections::BTreeMap;
-use throng_base::maths::quantile;
-use throng_base::thresholds::WALKING_MPS;
+use throng_base::{maths::quantile, thresholds::WALKING_MPS};
 use throng_core::format::{Gait, MotionClass, Posture};
 use throng_core::{Contacts, Joint, Skeleton};
 use throng_motion::annotate::classes::{HELD_OTHERWISE, named_manner};

@@ -4,8 +4,7 @@ use super::twist::{FacingTwist, SteadyCourse, rotate_ground};
 use super::{ClipTrack, FractionalPose, StepCycle, displacement, exponential};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
-use throng_motion::FrameRange;
-use throng_motion::mirror::mirror_rotation;
+use throng_motion::{FrameRange, mirror::mirror_rotation};
 
 /// Range over which a cycle's end is moved to close best (frames).
 const END_SEARCH: f64 = 1.0;

@@ -1,8 +1,7 @@
 //! Motion that stays out of a graph, and why.
 
-use super::connect::GraphInputs;
-use super::events::EventFrame;
 use super::take::{MAX_NAMED_CLIPS, TakenFrames};
+use super::{connect::GraphInputs, events::EventFrame};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -1,13 +1,11 @@
 //! Choice of transitions that become actions: near ones, with different outcomes, and enough of them.
 
-use super::config::MotionGraphConfig;
 use super::connect::{EventLinks, GraphInputs};
-use super::matches::TransitionLink;
+use super::{config::MotionGraphConfig, matches::TransitionLink};
 use crate::share::{gather_rows, own_numbers};
 use rayon::prelude::*;
 use throng_base::Comm;
-use throng_core::Planar;
-use throng_core::planar::wrap_angle;
+use throng_core::{Planar, planar::wrap_angle};
 use throng_motion::error::Result;
 
 /// Turn within the horizon beyond which an outcome is a turn to a side (rad).

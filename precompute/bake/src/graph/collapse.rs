@@ -1,9 +1,8 @@
 //! Collapses event frames with a single outgoing edge into segments between states.
 
-use super::component::EventGraph;
 use super::events::{EventFrame, EventFrameKind};
 use super::matches::{TransitionLink, displacement};
-use super::{GraphAction, GraphSegment, RawMotionGraph, SegmentId, StateId};
+use super::{GraphAction, GraphSegment, RawMotionGraph, SegmentId, StateId, component::EventGraph};
 use throng_motion::clip::{ClipSet, FrameId};
 
 /// Choices of an event: the event whose motion follows (itself if the clip continues), and the error.

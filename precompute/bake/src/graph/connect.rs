@@ -1,22 +1,18 @@
 //! The stage: event frames, matches, threshold, component, collapse.
 
-use super::apart::motion_apart;
 use super::bridge::{self, IncomingLinks, KnownLinks};
-use super::choose::MotionOutcome;
 use super::component::{EventGraph, largest_component};
 use super::config::MotionGraphConfig;
 use super::events::{self, EventFrame};
 use super::manners::{ConnectedEvents, MannersSearch};
 use super::matches::{self, LinkFinder, LinkLimits, TransitionLink};
 use super::report::{self, GraphReport};
-use super::take::TakenFrames;
-use super::{RawMotionGraph, collapse};
+use super::{RawMotionGraph, apart::motion_apart, choose::MotionOutcome, collapse, take::TakenFrames};
 use crate::features::{self, Features, FeaturesConfig};
 use crate::stages::stage_error;
 use throng_base::{Comm, SingleRank};
-use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Result, ensure};
-use throng_motion::progress::Progress;
+use throng_motion::{clip::ClipSet, progress::Progress};
 
 /// Points compared for each event (see [`LinkLimits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions
 /// are nearer by 0.3 % at most; comparing half as many, graphs farther by up to 1.4 %.

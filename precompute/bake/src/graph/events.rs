@@ -5,8 +5,7 @@ use crate::share::{clip_owners, sort_by_owner};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
-use throng_core::skeleton::ARMS;
-use throng_core::{Contacts, Joint, NUM_JOINTS};
+use throng_core::{Contacts, Joint, NUM_JOINTS, skeleton::ARMS};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
 use throng_motion::error::Result;
 

@@ -9,9 +9,7 @@ use crate::features::Features;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_base::{Comm, SingleRank};
-use throng_motion::annotate::classes::named_manner;
-use throng_motion::error::Result;
-use throng_motion::progress::Progress;
+use throng_motion::{annotate::classes::named_manner, error::Result, progress::Progress};
 
 /// Most transitions of an event to other manners, each to another one: few, as every look ahead pays for them.
 const TO_OTHERS: usize = 2;

@@ -11,11 +11,9 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use throng_base::Comm;
-use throng_core::Planar;
-use throng_core::planar::wrap_angle;
+use throng_core::{Planar, planar::wrap_angle};
 use throng_motion::clip::{ClipSet, FrameId};
-use throng_motion::error::Result;
-use throng_motion::progress::Progress;
+use throng_motion::{error::Result, progress::Progress};
 
 /// A possible transition: the motion after event `event` may follow another event.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

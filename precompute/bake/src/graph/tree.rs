@@ -1,8 +1,7 @@
 //! Points in a k-d tree whose nodes keep the box around their points.
 
 use crate::features::projection::{DIMS, ProjectedPoint, squared_gap_within};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::{cmp::Reverse, collections::BinaryHeap};
 
 /// Points of a leaf, at most.
 const LEAF: usize = 16;

@@ -1,13 +1,10 @@
 //! Courses of made motion: starts, stops, turns, arcs and steps, frame by frame.
 
 use super::gait::{GaitCycle, LEAD};
-use super::stance::RestStance;
-use super::stepping::MadeCourse;
-use super::{smooth, smoother};
+use super::{smooth, smoother, stance::RestStance, stepping::MadeCourse};
 use glam::Vec2;
 use std::f32::consts::PI;
-use throng_base::maths;
-use throng_base::thresholds::FOUR_STEPS_MPS;
+use throng_base::{maths, thresholds::FOUR_STEPS_MPS};
 use throng_core::Planar;
 
 /// What a body is to do.

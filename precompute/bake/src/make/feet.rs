@@ -3,8 +3,7 @@
 use glam::{Quat, Vec2, Vec3};
 use throng_base::maths;
 use throng_core::{Planar, Skeleton};
-use throng_motion::Clip;
-use throng_motion::retarget::LEGS;
+use throng_motion::{Clip, retarget::LEGS};
 
 /// A foot: its ball, and the rotation of the foot and of the toes on it.
 #[derive(Clone, Copy, Debug)]

@@ -2,8 +2,7 @@
 
 use super::feet::{MadeFoot, foot_point};
 use serde::{Deserialize, Serialize};
-use throng_base::maths;
-use throng_base::thresholds::WALKING_MPS;
+use throng_base::{maths, thresholds::WALKING_MPS};
 use throng_core::format::{Gait, MotionClass, Posture};
 use throng_core::planar::{twist_about_y, wrap_angle};
 use throng_core::{Contacts, NUM_JOINTS, Planar, Skeleton};

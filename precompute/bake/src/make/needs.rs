@@ -7,8 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::PI;
 use throng_base::maths::{self, quantile};
 use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
-use throng_core::format::Gait;
-use throng_core::planar::wrap_angle;
+use throng_core::{format::Gait, planar::wrap_angle};
 use throng_motion::annotate::classes::{goes_somewhere, named_manner};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
 

@@ -9,12 +9,9 @@ use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_core::format::{ClassSpan, Gait, MotionClass};
-use throng_core::planar::twist_about_y;
-use throng_core::skeleton::ARMS;
-use throng_core::{Joint, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{Joint, NUM_JOINTS, Planar, Skeleton, planar::twist_about_y, skeleton::ARMS};
 use throng_geometry::distance_to_segment;
-use throng_motion::retarget::LEGS;
-use throng_motion::{Clip, FrameRange};
+use throng_motion::{Clip, FrameRange, retarget::LEGS};
 
 /// Time that a stance lasts where its clip has as much (s).
 const LONG_S: f64 = 2.0;

@@ -10,11 +10,9 @@ use crate::stops::idle_frames_left;
 use glam::{Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use std::cmp::Reverse;
-use std::f32::consts::TAU;
+use std::{cmp::Reverse, f32::consts::TAU};
 use throng_base::{Comm, maths};
-use throng_core::format::MotionClass;
-use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
+use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton, format::MotionClass};
 use throng_motion::{Clip, ClipSet, Result};
 
 /// Length of a captured stand that repeats itself seldom enough, and time of such stands that is enough (s).

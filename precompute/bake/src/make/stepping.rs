@@ -6,12 +6,10 @@
 
 use super::feet::{MadeFoot, foot_point};
 use super::gait::{FootStay, GaitCycle, lerp_planar};
-use super::smooth;
-use super::stance::RestStance;
+use super::{smooth, stance::RestStance};
 use glam::{Quat, Vec2, Vec3};
 use throng_base::maths;
-use throng_core::planar::wrap_angle;
-use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton, planar::wrap_angle};
 use throng_motion::retarget::{LEGS, bend_leg};
 use throng_motion::{Clip, joint_transforms};
 

@@ -3,10 +3,7 @@
 
 use super::{MotionStages, ReadMotion};
 use crate::cache::{Cache, CacheKey};
-use crate::config::BuildConfig;
-use crate::parts::RequiredParts;
-use crate::provenance;
-use crate::stages::Stages;
+use crate::{config::BuildConfig, parts::RequiredParts, provenance, stages::Stages};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::str::FromStr;

@@ -2,12 +2,10 @@
 
 use crate::cache::{Cache, CacheKey};
 use crate::provenance::FileKeys;
-use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
+use std::{collections::BTreeMap, path::PathBuf};
 use throng_motion::import::{self, ImportedClip, MotionFile};
-use throng_motion::retarget::RetargetSource;
-use throng_motion::{BuildError, Result};
+use throng_motion::{BuildError, Result, retarget::RetargetSource};
 
 /// Index of motion that stays in the cache.
 pub(super) struct StreamedMotion<'a> {

@@ -2,8 +2,7 @@
 
 use crate::environment::GeometryTouchConfig;
 use schemars::JsonSchema;
-use serde::de::value::MapDeserializer;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::value::MapDeserializer};
 use std::path::PathBuf;
 use throng_motion::error::{BuildError, Result, check_ranges, ensure};
 

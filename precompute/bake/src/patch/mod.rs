@@ -12,9 +12,8 @@ pub use config::{PatchConfig, SourceEnvironment, TileConfig};
 pub use scenes::{SourceScenes, embed, scenes};
 pub use tile::{Freedom, PrunedTile, TileCell, TileGraph, prune};
 
-use crate::cluster::PoseGroups;
 use crate::environment::{Environment, UnitObject, UnitSet};
-use crate::stages::stage_error;
+use crate::{cluster::PoseGroups, stages::stage_error};
 use bounds::FrameExtents;
 use serde::{Deserialize, Serialize};
 use throng_core::patch::{CellRecord, EdgeRecord, LinkRecord, NONE, PairRecord, Placement};

@@ -6,11 +6,9 @@ use crate::environment::{
     annotate_in, geometries,
 };
 use rayon::prelude::*;
-use std::path::Path;
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 use throng_core::Contacts;
-use throng_motion::annotate::ContactConfig;
-use throng_motion::{BuildError, Clip, ClipSet, Result, mirror};
+use throng_motion::{BuildError, Clip, ClipSet, Result, annotate::ContactConfig, mirror};
 
 /// Most names of clips in a message.
 const MAX_LISTED: usize = 12;

@@ -1,12 +1,9 @@
 //! Per-frame data of a clip for embedding: root, pose group, standing.
 
-use crate::cluster::PoseGroups;
-use crate::stages::stage_error;
+use crate::{cluster::PoseGroups, stages::stage_error};
 use std::collections::BTreeMap;
 use throng_base::thresholds::STANDING_MPS;
-use throng_core::patch::Placement;
-use throng_core::planar::wrap_angle;
-use throng_core::{NUM_JOINTS, Planar};
+use throng_core::{NUM_JOINTS, Planar, patch::Placement, planar::wrap_angle};
 use throng_motion::{Clip, ClipSet, FrameId, FrameRange, Result, runs_where};
 
 /// Largest speed of a standing joint (rad/s).

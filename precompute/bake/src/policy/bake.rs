@@ -1,8 +1,7 @@
 //! Best actions of every (state, cell), found with the runtime's own look-ahead, which also verifies the values.
 
 use super::{ActionModel, PolicyConfig, Solution, tolerance};
-use crate::share::share_rows;
-use crate::stages::stage_error;
+use crate::{share::share_rows, stages::stage_error};
 use rayon::prelude::*;
 use throng_base::Comm;
 use throng_core::policy::{LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};

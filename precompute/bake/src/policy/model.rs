@@ -1,8 +1,7 @@
 //! State-action model that a policy is solved on: the motion graph without its poses (Lee and Lee 2004, section 3).
 
 use super::costs::{ActionTraits, action_traits};
-use crate::graph::RawMotionGraph;
-use crate::stages::stage_error;
+use crate::{graph::RawMotionGraph, stages::stage_error};
 use glam::Vec2;
 use std::ops::Range;
 use throng_core::planar::{Planar, wrap_angle};

@@ -11,8 +11,7 @@ use glam::Vec2;
 use rand_pcg::Pcg64;
 use std::io::{self, Write};
 use std::time::Instant;
-use throng_base::Comm;
-use throng_base::maths::quantile;
+use throng_base::{Comm, maths::quantile};
 use throng_core::policy::{
     ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };

@@ -2,8 +2,7 @@
 
 use super::costs::own_errors;
 use super::{ActionModel, BackupPairs, MAX_PLANE, PolicyBehaviour, PolicyConfig, RowShape, Sweeper, segment_records};
-use crate::share::share_rows;
-use crate::stages::stage_error;
+use crate::{share::share_rows, stages::stage_error};
 use throng_base::Comm;
 use throng_core::policy::{PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord};
 use throng_motion::{Progress, Result};

@@ -3,8 +3,7 @@
 use super::{ActionModel, BackupPair, BackupPairs};
 use rayon::prelude::*;
 use std::ops::Range;
-use throng_core::policy::Reward;
-use throng_core::simd::vectorize;
+use throng_core::{policy::Reward, simd::vectorize};
 
 /// Row of a segment with a single action, which is backed up with that action; shared ones are backed up once for all.
 const PRIVATE: u32 = u32::MAX;

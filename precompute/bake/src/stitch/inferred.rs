@@ -5,8 +5,7 @@ use crate::config::to_toml;
 use crate::environment::{EnvironmentFile, InferredEnvironment};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use throng_motion::error::Result;
-use throng_motion::files::write_atomically;
+use throng_motion::{error::Result, files::write_atomically};
 
 /// Paths of files of inferred surroundings.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]

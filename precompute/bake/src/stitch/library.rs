@@ -2,8 +2,7 @@
 
 use crate::environment::{Environment, UnitGeometry, UnitSet};
 use crate::stages::stage_error;
-use std::f32::consts::TAU;
-use std::sync::Arc;
+use std::{f32::consts::TAU, sync::Arc};
 use throng_core::format::{FrameRow, PatchMeta, RotationCode};
 use throng_core::patch::{KIND_TILE, LinkRecord, PatchTables, Placement};
 use throng_core::planar::{Planar, wrap_angle};

@@ -22,8 +22,7 @@ pub use source::{StitchKit, WorldSource, check_replaced, save, stitch_source};
 
 use crate::environment::Environment;
 use throng_core::patch::PatchTables;
-use throng_motion::error::Result;
-use throng_motion::progress::Progress;
+use throng_motion::{error::Result, progress::Progress};
 use throng_world::WorldData;
 
 /// Stitches a world: fits the patches of a bundle into an environment, joins them where they overlap, and removes

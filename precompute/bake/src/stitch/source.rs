@@ -1,20 +1,17 @@
 //! World files (TOML): a bundle, settings, and the environment that is stitched from its patches.
 
 use super::edit::make::{as_toml, source_hash};
-use super::library::STAGE;
-use super::{Editor, Library, StitchConfig, StitchReport};
+use super::{Editor, Library, StitchConfig, StitchReport, library::STAGE};
 use crate::environment::{
     Environment, EnvironmentFile, PlacedUnit, PlacementPattern, UnitGeometry, UnitSet, geometries,
 };
 use crate::stages::stage_error;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 use throng_base::text::TomlSource;
-use throng_core::Bundle;
-use throng_core::patch::PatchTables;
+use throng_core::{Bundle, patch::PatchTables};
 use throng_motion::error::{BuildError, Result};
 use throng_motion::files::{self, write_atomically};
 use throng_motion::progress::Progress;

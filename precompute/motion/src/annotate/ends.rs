@@ -7,8 +7,7 @@ use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_base::thresholds::{BODY_STILL_MPS, POSE_HELD_MPS};
-use throng_core::skeleton::ARMS;
-use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, NUM_JOINTS, Skeleton, skeleton::ARMS};
 
 /// Frames to leave out at the ends of clips.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

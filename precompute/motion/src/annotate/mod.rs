@@ -8,8 +8,7 @@ mod sanity;
 pub mod sidecar;
 
 use crate::clip::{Clip, ClipSet, Exclusion};
-use crate::error::Result;
-use crate::mirror;
+use crate::{error::Result, mirror};
 use classes::NameHints;
 pub use contacts::{ContactConfig, GroundShape};
 pub use ends::EndsConfig;

@@ -23,8 +23,7 @@ mod hit;
 #[cfg(test)]
 mod tests;
 
-use super::classes::NamedClass;
-use super::hits::HitMark;
+use super::{classes::NamedClass, hits::HitMark};
 use crate::clip::{Clip, ClipTag, Exclusion, ExclusionReason, FrameRange};
 use crate::error::{BuildError, Result, ensure};
 use crate::import::{ImportedClip, ImportedSet, archive, clip_in_file};

@@ -1,8 +1,7 @@
 //! The clip that plays on each of many characters, for programs that draw a crowd as instances of one figure with a set of
 //! clips.
 
-use super::npz::NpzWriter;
-use super::scratch::TrackScratch;
+use super::{npz::NpzWriter, scratch::TrackScratch};
 use std::io::{self, Write};
 use std::path::Path;
 

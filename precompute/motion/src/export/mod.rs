@@ -17,10 +17,8 @@ pub use npz::{write_amass, write_npz};
 pub use take::{ActorPose, Take, TakeActor, TakeWriter};
 pub use usd::usda;
 
-use crate::clip::Clip;
-use crate::error::Result;
-use crate::files::write_atomically;
 use crate::raw::{RawClip, RawJoint, SourceFormat};
+use crate::{clip::Clip, error::Result, files::write_atomically};
 use glam::{Quat, Vec3};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

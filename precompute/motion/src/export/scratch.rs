@@ -1,9 +1,7 @@
 //! Numbers over time that are kept in a file, not in memory: written frame by frame, read track by track.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::ops::Range;
-use std::path::Path;
+use std::{fs::File, ops::Range, path::Path};
 
 /// Memory that all actors together may take while they are recorded (bytes).
 const BUDGET_BYTES: usize = 24 << 20;

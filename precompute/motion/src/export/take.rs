@@ -3,8 +3,7 @@
 use super::scratch::TrackScratch;
 use crate::clip::Clip;
 use glam::{Quat, Vec3};
-use std::io;
-use std::path::Path;
+use std::{io, path::Path};
 use throng_base::maths;
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 

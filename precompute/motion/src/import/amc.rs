@@ -4,8 +4,7 @@ use super::{Asf, AsfJoint, Dof, FrameSink, Scanner, SourceClip, TextPosition, co
 use crate::error::{ImportError, Warnings, ensure};
 use crate::raw::SourceFormat;
 use glam::{DQuat, DVec3};
-use std::collections::HashMap;
-use std::path::Path;
+use std::{collections::HashMap, path::Path};
 use throng_base::text::did_you_mean;
 
 const HELP: &str = "The file is cut short or damaged: compare it with an intact copy.";

@@ -3,12 +3,10 @@
 
 use super::{content_error, has_extension};
 use crate::error::{ImportError, ensure};
-use std::borrow::Cow;
-use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::SystemTime;
+use std::{borrow::Cow, fs::File, time::SystemTime};
 use throng_base::file::{MAX_BUNDLE_BYTES, open_file};
 use zip::ZipArchive;
 

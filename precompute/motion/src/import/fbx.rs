@@ -6,12 +6,10 @@ use super::nodes::{
     AnimationSpan, FALLBACK_HZ, NodeAnimation, RigNode, RigScene, Transform, rate_of_keys, without_rounding,
 };
 use super::{SourceClip, archive, content_error};
-use crate::error::ImportError;
-use crate::raw::SourceFormat;
+use crate::{error::ImportError, raw::SourceFormat};
 use glam::{DQuat, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
-use std::rc::Rc;
+use std::{path::Path, rc::Rc};
 use ufbx::{AllocatorOpts, CoordinateAxes, FileFormat, InheritModeHandling, LoadOpts, SceneRoot};
 
 /// Most levels of nodes.

@@ -31,8 +31,7 @@ mod units;
 use crate::clip::{Clip, ClipSet};
 use crate::error::{ImportError, Warnings, ensure};
 use crate::export::{self, to_raw};
-use crate::progress::Progress;
-use crate::raw::RawClip;
+use crate::{progress::Progress, raw::RawClip};
 use asf::{Asf, AsfJoint, Dof};
 pub use config::{Forward, ImportConfig, UpAxis};
 pub use files::{

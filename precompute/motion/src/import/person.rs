@@ -1,8 +1,7 @@
 //! Refuses clips of sizes that no person has, or far from the origin.
 
 use super::{RoleMap, body_height, content_error};
-use crate::ImportError;
-use crate::raw::RawClip;
+use crate::{ImportError, raw::RawClip};
 use throng_core::Joint;
 
 /// Heights of people, small children included (m).

@@ -1,9 +1,7 @@
 //! Skeleton profiles: which joint of a known source skeleton plays which role.
 
-use crate::ImportError;
-use crate::raw::RawJoint;
-use std::collections::BTreeMap;
-use std::path::Path;
+use crate::{ImportError, raw::RawJoint};
+use std::{collections::BTreeMap, path::Path};
 use throng_base::text::{TomlSource, did_you_mean};
 use throng_core::{Joint, NUM_JOINTS};
 

@@ -1,8 +1,7 @@
 //! Classifies the zero pose of a source: a standing body with its heading, or not a body at all.
 
 use super::{Forward, RoleMap, rest_world};
-use crate::error::ensure;
-use crate::raw::RawClip;
+use crate::{error::ensure, raw::RawClip};
 use glam::{Quat, Vec3};
 use throng_core::Joint;
 

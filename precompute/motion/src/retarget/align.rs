@@ -7,10 +7,8 @@
 use super::body::{PoseSample, RolePose, SourceBody};
 use super::geometry;
 use glam::{Mat3, Quat, Vec3};
-use throng_base::maths;
-use throng_base::maths::quantile;
-use throng_core::skeleton::LEGS;
-use throng_core::{Joint, NUM_JOINTS};
+use throng_base::{maths, maths::quantile};
+use throng_core::{Joint, NUM_JOINTS, skeleton::LEGS};
 
 /// Rotation from the database joint's axes to the source joint's, per role.
 pub type Alignment = [Quat; NUM_JOINTS];

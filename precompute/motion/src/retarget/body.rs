@@ -3,8 +3,7 @@
 use crate::import::{Forward, ImportedClip, LEG_DOWN, LEG_SEGMENTS};
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
-use throng_base::maths;
-use throng_base::thresholds::RIG_FOOT_PLANTED_MPS;
+use throng_base::{maths, thresholds::RIG_FOOT_PLANTED_MPS};
 use throng_core::{Joint, NUM_JOINTS};
 
 /// Source joint of every role (NUM_JOINTS).

@@ -7,10 +7,8 @@
 use super::transfer::RetargetedMotion;
 use crate::stance::{self, FootSample};
 use glam::{DMat3, DVec3, Quat, Vec3};
-use throng_base::maths;
-use throng_base::maths::quantile;
-use throng_core::skeleton::LEGS;
-use throng_core::{NUM_JOINTS, Skeleton};
+use throng_base::{maths, maths::quantile};
+use throng_core::{NUM_JOINTS, Skeleton, skeleton::LEGS};
 
 /// Quantile of the heights of standing feet that counts as the ground: low, because feet also stand on things.
 const GROUND_QUANTILE: f32 = 0.25;

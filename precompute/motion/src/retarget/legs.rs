@@ -6,8 +6,7 @@
 use super::body::RolePose;
 use glam::{Quat, Vec3};
 use throng_base::maths;
-use throng_core::skeleton::LEGS;
-use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, NUM_JOINTS, Skeleton, skeleton::LEGS};
 use throng_geometry::two_bone_offsets;
 
 /// Rise of the heel below which a foot stands on the heel, and above which it stands on the toe (sine of the angle).

@@ -15,10 +15,9 @@ mod proportions;
 mod transfer;
 mod wear;
 
-use crate::clip::ClipSet;
 use crate::error::{BuildError, Result, Warnings, ensure};
-use crate::import::ImportedClip;
 use crate::raw::{RawClip, RawJoint};
+use crate::{clip::ClipSet, import::ImportedClip};
 use body::SourceBody;
 pub use body::{RetargetSource, Roles};
 use glam::Vec3;

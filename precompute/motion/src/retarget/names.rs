@@ -1,8 +1,7 @@
 //! Names of clips.
 
 use super::RetargetSource;
-use crate::error::Warnings;
-use crate::mirror;
+use crate::{error::Warnings, mirror};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Component;
 

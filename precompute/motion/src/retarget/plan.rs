@@ -2,10 +2,9 @@
 
 use super::align::{self, Alignment};
 use super::body::{RetargetSource, SourceBody};
-use super::ground::FootPoint;
-use super::names::unique_names;
 use super::transfer::{RetargetedMotion, transfer_motion};
 use super::{Proportions, RetargetConfig, check_legs, check_roles, ground, group_by_skeleton, proportions};
+use super::{ground::FootPoint, names::unique_names};
 use crate::clip::{Clip, Exclusion, ExclusionReason};
 use crate::error::{Result, Warnings};
 use crate::import::{GlitchTreatment, ImportedClip};

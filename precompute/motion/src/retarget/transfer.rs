@@ -2,8 +2,7 @@
 
 use super::align::{Alignment, main_child};
 use super::body::{RetargetSource, RolePose, SourceBody, anchor, role_pose};
-use super::legs::LegTransfer;
-use super::plan::SkeletonGroup;
+use super::{legs::LegTransfer, plan::SkeletonGroup};
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};

@@ -1,11 +1,7 @@
 //! Motion of the database skeleton on a body of another make: the inverse of retargeting, one pose at a time.
 
-use super::align::Alignment;
-use super::legs::LegTransfer;
-use super::plan::SkeletonGroup;
-use super::transfer::move_shoulders;
-use crate::error::Result;
-use crate::import::ImportedClip;
+use super::{align::Alignment, legs::LegTransfer, plan::SkeletonGroup, transfer::move_shoulders};
+use crate::{error::Result, import::ImportedClip};
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};

@@ -1,11 +1,8 @@
 //! Copies of a character's nodes and skins, one for each actor, that share its meshes.
 
 use super::Wearer;
-use crate::export::Take;
-use crate::export::glb::animate_actors;
-use crate::export::glb::parts::GlbParts;
 use crate::export::take::PRESENCE_TRACK;
-use crate::import::gltf;
+use crate::{export::Take, export::glb::animate_actors, export::glb::parts::GlbParts, import::gltf};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 

@@ -1,15 +1,10 @@
 //! A character for drawing: its triangles, and the matrices that move them in a pose.
 
 use super::moved_joints::{MovedJoint, ScaledWearer};
-use super::surface::FigureSurface;
-use super::{HELP, Wearer};
-use crate::error::Result;
-use crate::import::ImportConfig;
-use crate::import::gltf;
-use crate::import::source::content_error;
+use super::{HELP, Wearer, surface::FigureSurface};
+use crate::{error::Result, import::ImportConfig, import::gltf, import::source::content_error};
 use glam::{Affine3A, Quat, Vec3, Vec4};
-use std::collections::BTreeSet;
-use std::path::Path;
+use std::{collections::BTreeSet, path::Path};
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
 /// Weight above which a joint carries a corner.

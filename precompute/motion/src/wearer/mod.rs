@@ -12,14 +12,11 @@ mod surface;
 mod worn_fit;
 
 use crate::error::{BuildError, ImportError, Result, ensure};
-use crate::export::scratch::TrackScratch;
 use crate::export::{Glb, Take};
 use crate::import::gltf::{self, AccessorReader, GltfDocument};
-use crate::import::nodes::Rig;
 use crate::import::source::content_error;
 use crate::import::{ImportConfig, MAX_MOTION_BYTES, RoleMap, UpAxis, archive, interpret};
-use crate::progress::Progress;
-use crate::retarget::BodyFit;
+use crate::{export::scratch::TrackScratch, import::nodes::Rig, progress::Progress, retarget::BodyFit};
 use figure::FigureSkin;
 pub use figure::SkinnedFigure;
 use glam::{DAffine3, DQuat};

@@ -1,11 +1,8 @@
 //! Joints of a character that move, and how each does.
 
 use super::Wearer;
-use crate::export::Take;
-use crate::export::scratch::TrackScratch;
-use crate::import::RoleMap;
-use crate::raw::RawClip;
 use crate::retarget::{BodyFit, WornPose};
+use crate::{export::Take, export::scratch::TrackScratch, import::RoleMap, raw::RawClip};
 use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 use std::io;
 use throng_base::maths;

@@ -5,9 +5,7 @@ use crate::error::ensure;
 use crate::import::gltf::{AccessorReader, GltfPrimitive, MAX_BYTES, MAX_PARTS, MAX_TRIANGLES, TRIANGLES, base64};
 use glam::{Mat4, Vec2, Vec3};
 use serde_json::Value;
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-use std::ops::Range;
+use std::{collections::HashMap, collections::hash_map::Entry, ops::Range};
 
 /// Weight below which a joint does not count.
 const MIN_WEIGHT: f32 = 1e-6;

@@ -1,12 +1,9 @@
 //! Measures how a character wears motion: how far its skin is stretched, where its soles are, and what is below the ground.
 
-use super::Wearer;
-use super::figure::FigureSkin;
-use super::moved_joints::ScaledWearer;
+use super::{Wearer, figure::FigureSkin, moved_joints::ScaledWearer};
 use crate::export::Take;
 use glam::{Quat, Vec3};
-use std::collections::BTreeSet;
-use std::io;
+use std::{collections::BTreeSet, io};
 use throng_base::thresholds::FOOT_PLANTED_MPS;
 use throng_core::skeleton::{ARMS, LEGS};
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};

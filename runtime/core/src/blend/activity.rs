@@ -1,12 +1,9 @@
 //! Activities: what bodies do when they stand, such as waving, shaking hands or sitting down.
 
 use super::{BlendedPosture, channel};
-use crate::body::ClipRows;
-use crate::contacts::Contacts;
 use crate::format::{ActivityMeta, ClipRecord, Table};
-use crate::hits::striking_offset;
-use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use crate::{body::ClipRows, contacts::Contacts, hits::striking_offset, planar::Planar};
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

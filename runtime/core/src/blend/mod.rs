@@ -17,8 +17,7 @@ pub use posture::BlendedPosture;
 pub(crate) use posture::smooth_share;
 pub use space::BlendSpace;
 
-use crate::format::Table;
-use crate::skeleton::Skeleton;
+use crate::{format::Table, skeleton::Skeleton};
 
 pub use records::{
     AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS,

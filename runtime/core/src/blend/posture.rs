@@ -4,9 +4,8 @@ use super::records::{ChannelRow, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, chan
 use super::space::BlendSpace;
 use crate::skeleton::Joint;
 use glam::{Quat, Vec3};
-use throng_base::Result;
-use throng_base::error::check_length;
 use throng_base::simd::{LANES, LaneWork, Lanes, Q, V, dispatch};
+use throng_base::{Result, error::check_length};
 
 /// Vectors of a channel row.
 const CHUNKS: usize = NUM_CHANNELS / LANES;

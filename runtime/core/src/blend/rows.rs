@@ -1,7 +1,6 @@
 //! Frame rows by which a blend can be shown from afar, where only rows of the bundle are at hand.
 
-use super::records::ExampleRecord;
-use super::space::BlendSpace;
+use super::{records::ExampleRecord, space::BlendSpace};
 use crate::format::ClipRecord;
 
 /// Rows of the examples of a blend space.

@@ -1,11 +1,7 @@
 //! A blend space ready to be asked: views on its tables, and what is worked out of them once.
 
-use super::ActivitySet;
-use super::grid::WeightGrid;
 use super::records::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
-use super::rows::ExampleRows;
-use super::warp::PhaseTiming;
-use super::{Blends, slopes};
+use super::{ActivitySet, Blends, grid::WeightGrid, rows::ExampleRows, slopes, warp::PhaseTiming};
 use crate::format::{ClipRecord, FormatError, Table};
 use crate::skeleton::Skeleton;
 use std::sync::OnceLock;

@@ -2,9 +2,8 @@
 
 use super::records::{ChannelRow, ExampleRecord, channel};
 use super::space::BlendSpace;
-use throng_base::Result;
-use throng_base::error::check_length;
 use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
+use throng_base::{Result, error::check_length};
 
 /// Generic time before and after a contact over which its importance rises and falls.
 const RAMP: f32 = 0.1;

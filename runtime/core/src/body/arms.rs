@@ -4,22 +4,18 @@
 //! chest or head. The limb's inverse kinematics finds the elbow; joints then turn from the motion's rotations to these by a
 //! share, which a spring moves.
 
-use super::hierarchy::ModelPose;
 use super::lane_body::{ARMS, LaneBody};
 use super::lanes::{Lane3, get_lane, load, set_lane};
-use super::limbs::bent_middle;
 use super::reach::{pair_lengths, soft_distance};
 use super::upper::{BodyLayers, LayerState, LayerStates, LayerTick, Share};
+use super::{hierarchy::ModelPose, limbs::bent_middle};
 use crate::skeleton::Joint;
 use bytemuck::Zeroable;
 use glam::{Mat3, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
-use throng_base::error::check_value;
-use throng_base::maths;
 use throng_base::simd::{LANES, Lanes};
-use throng_base::thresholds::REFERENCE_LEG_M;
-use throng_base::{Id, Result};
+use throng_base::{Id, Result, error::check_value, maths, thresholds::REFERENCE_LEG_M};
 
 /// What an arm does beside the motion of its body. All but the reach leave trunk and legs as they are.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,8 +3,7 @@
 use super::lanes::Lane3;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
-use throng_base::Result;
-use throng_base::error::check_value;
+use throng_base::{Result, error::check_value};
 
 /// Record from which a GPU poses a character with the frame rows of its bundle (32 bytes).
 ///

@@ -2,12 +2,10 @@
 
 use super::lane_body::{LEGS, LaneBody};
 use super::lanes::{Lane, Lane3, get_lane, load, store};
-use super::lanewise::lanewise_fields;
-use super::matrix::Mat3x4;
-use crate::contacts::Contacts;
+use super::{lanewise::lanewise_fields, matrix::Mat3x4};
 use crate::format::{ClipRecord, FrameRow, Meta, RotationCode, Table};
-use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
+use crate::{contacts::Contacts, planar::Planar};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

@@ -1,21 +1,15 @@
 //! Feet: laid onto the ground below them, held by their locks while they stand, and reached by their legs.
 
 use super::foot_lock::{Bearing, FootLock, FootLockInputs, SolePose, about_y, ball_share, lock_foot};
-use super::ground::HeightField;
 use super::ground_plane::{FootGround, FootOverGround, PLANE_HALF_LIVES_S, follow_ground, keep_planted};
-use super::hierarchy::ModelPose;
-use super::lane_body::LaneBody;
 use super::lanes::{Lane, load};
 use super::placement::PlacementLanes;
 use super::reach::{drop_spring, is_stretched, limit_leg_length, lower_body, raise_heel, reach_foot};
-use super::springs::DampedSpring;
-use super::step::BodyState;
+use super::{ground::HeightField, hierarchy::ModelPose, lane_body::LaneBody, springs::DampedSpring, step::BodyState};
 use crate::contacts::Contacts;
 use glam::Vec2;
-use throng_base::Result;
-use throng_base::error::check_range;
-use throng_base::maths;
 use throng_base::simd::{LANES, Lanes};
+use throng_base::{Result, error::check_range, maths};
 
 /// Time of a step that a foot takes by itself (s, of the database skeleton).
 const STEP_S: f32 = 0.35;

@@ -6,11 +6,8 @@
 //! too far behind takes a step. Nothing jumps at any of these moments.
 
 use super::ground_plane::{FootGround, FootPlane};
-use super::lane_body::LaneLeg;
 use super::lanes::{Lane, Lane3, load, store};
-use super::lanewise::lanewise_fields;
-use super::placement::PlacementLanes;
-use super::springs::DampedSpring;
+use super::{lane_body::LaneLeg, lanewise::lanewise_fields, placement::PlacementLanes, springs::DampedSpring};
 use serde::{Deserialize, Serialize};
 use throng_base::simd::{LANES, Lanes, Q, V};
 use throng_base::thresholds::{FOOT_NEAR_M, FOOT_SETTLED_M, TOE_CLEARANCE_M, TOE_RAISED_MPS, TOE_SWING_MPS};

@@ -1,16 +1,11 @@
 //! Looking at a point: head, neck and chest turn from where the motion has them, within limits. `tests/bodies.rs` tests it.
 
-use super::lane_body::LaneBody;
-use super::lanes::get_lane;
-use super::sample::LanePose;
-use super::upper::LayerTick;
-use crate::planar::wrap_angle;
-use crate::skeleton::Joint;
+use super::{lane_body::LaneBody, lanes::get_lane, sample::LanePose, upper::LayerTick};
+use crate::{planar::wrap_angle, skeleton::Joint};
 use bytemuck::Zeroable;
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
-use throng_base::maths;
-use throng_base::simd::Lanes;
+use throng_base::{maths, simd::Lanes};
 
 /// Largest angles of the gaze to a side and up or down of where the body faces (rad).
 const RANGE: [f32; 2] = [70.0 * RADIANS, 35.0 * RADIANS];

@@ -5,12 +5,9 @@
 //! before a step and never jumps. A planted foot keeps its position, and so its plane comes to rest.
 
 use super::foot_lock::{Bearing, ratio_or};
-use super::ground::HeightField;
-use super::lane_body::LaneLeg;
 use super::lanes::{Lane3, load};
-use super::lanewise::lanewise_fields;
 use super::placement::PlacementLanes;
-use super::springs::DampedSpring;
+use super::{ground::HeightField, lane_body::LaneLeg, lanewise::lanewise_fields, springs::DampedSpring};
 use crate::planar::Planar;
 use bytemuck::Zeroable;
 use glam::Vec2;

@@ -1,7 +1,6 @@
 //! Copying and checking one character's share of data that holds eight.
 
-use super::gaze::Gaze;
-use super::upper::LayerState;
+use super::{gaze::Gaze, upper::LayerState};
 use crate::contacts::Contacts;
 use throng_base::simd::LANES;
 

@@ -3,10 +3,8 @@
 //! Hips sink where a thing lies low, and the trunk turns towards it at the waist and below the chest, only as far as the arm
 //! is too short. A trunk, an arm and what it reaches for are a chain of two parts, as a leg is.
 
-use super::hierarchy::ModelPose;
 use super::lane_body::{ARMS, LaneBody};
-use super::limbs::bent_middle;
-use super::reach::soft_length;
+use super::{hierarchy::ModelPose, limbs::bent_middle, reach::soft_length};
 use crate::skeleton::Joint;
 use glam::Vec3;
 use std::ops::RangeInclusive;

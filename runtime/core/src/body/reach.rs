@@ -1,18 +1,12 @@
 //! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
 
-use super::arms::ArmLayer;
-use super::feet::FeetMotion;
 use super::foot_lock::{Bearing, FootLock, SolePose};
-use super::hierarchy::ModelPose;
 use super::lane_body::{ARMS, LEGS, LaneBody};
 use super::lanes::{Lane, load};
 use super::lean::{hips_sink, lean_trunk};
-use super::limbs::bent_middle;
 use super::springs::DampedSpring;
-use super::step::BodyState;
-use crate::hits::FIST_PER_FOREARM;
-use crate::planar::Planar;
-use crate::skeleton::NUM_JOINTS;
+use super::{arms::ArmLayer, feet::FeetMotion, hierarchy::ModelPose, limbs::bent_middle, step::BodyState};
+use crate::{hits::FIST_PER_FOREARM, planar::Planar, skeleton::NUM_JOINTS};
 use glam::{Vec2, Vec3};
 use throng_base::simd::{Functions, LANES, Lanes, Q, V};
 

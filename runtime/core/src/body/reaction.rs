@@ -8,15 +8,11 @@
 use super::hierarchy::{ModelPose, PARENTS};
 use super::lane_body::{LEGS, LaneBody};
 use super::lanes::{Lane, Lane3, get_lane, load, set_lane, store};
-use super::lanewise::lanewise_fields;
-use super::limbs::move_leg;
-use super::placement::PlacementLanes;
+use super::{lanewise::lanewise_fields, limbs::move_leg, placement::PlacementLanes};
 use crate::skeleton::Joint;
 use glam::Vec3;
-use throng_base::Result;
-use throng_base::error::check_range;
-use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, Q, V};
+use throng_base::{Result, error::check_range, maths};
 
 /// Settings of the reaction of struck characters.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,29 +2,22 @@
 
 use super::arms::{ArmLayer, layer_arms};
 use super::events::{ClipRows, FootSwing};
-use super::gaze::Gaze;
-use super::ground::HeightField;
 use super::ground_plane::{BASE_HALF_LIFE_S, hips_ground_height};
 use super::hierarchy::{ModelPose, write_locals, write_matrices};
 use super::lane_body::{LEGS, LaneBody};
 use super::lanes::{Lane, load};
-use super::lanewise::lanewise_fields;
 use super::matrix::{LocalTransform, Mat3x4};
-use super::placement::PlacementLanes;
-use super::reach::Hands;
 use super::reaction::{Reaction, ReactionConfig, ReactionStep, any_lane_reacts, push, react_lanes};
-use super::sample::LanePose;
-use super::springs::DampedSpring;
-use super::touch::BlockTouch;
 use super::upper::{BodyLayers, LayerStates, LayerTick};
+use super::{gaze::Gaze, ground::HeightField, reach::Hands, sample::LanePose, touch::BlockTouch};
+use super::{lanewise::lanewise_fields, placement::PlacementLanes, springs::DampedSpring};
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
-use throng_base::error::check_value;
 use throng_base::simd::{LANES, Lanes, V};
-use throng_base::{Id, Result};
+use throng_base::{Id, Result, error::check_value};
 
 /// State of eight bodies on which their next pose depends, whatever moves them.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, Zeroable)]

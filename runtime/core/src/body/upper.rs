@@ -3,11 +3,7 @@
 //! Frames of a clip turn joints of a mask, and a lean bends the trunk, before heads look; arms follow once feet stand.
 
 use super::arms::{ArmLayer, ArmState};
-use super::events::ClipRows;
-use super::lanes::Lane;
-use super::lanewise::lanewise_fields;
-use super::sample::LanePose;
-use super::springs::DampedSpring;
+use super::{events::ClipRows, lanes::Lane, lanewise::lanewise_fields, sample::LanePose, springs::DampedSpring};
 use crate::skeleton::Joint;
 use bytemuck::Zeroable;
 use glam::{Quat, Vec3};

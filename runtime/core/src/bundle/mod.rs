@@ -7,23 +7,17 @@ mod sections;
 pub use sections::tags;
 
 use crate::blend::{Activity, ActivitySet, BlendSpace, Blends};
-use crate::body::ClipRows;
-use crate::contacts::Contacts;
 use crate::format::{
     ActivityMeta, AlignedBytes, ClipRecord, FileStorage, FormatError, FrameRow, Meta, RotationCode, SectionLayout,
     SectionTag, Table,
 };
-use crate::graph::MotionGraph;
-use crate::hits::HitRecord;
-use crate::patch::PatchTables;
 use crate::policy::{PolicyRecord, PolicyTable};
-use crate::skeleton::Skeleton;
-use crate::stops::StopTables;
+use crate::{body::ClipRows, contacts::Contacts};
+use crate::{graph::MotionGraph, hits::HitRecord, patch::PatchTables, skeleton::Skeleton, stops::StopTables};
 use sections::Sections;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
-use throng_base::error::ensure;
-use throng_base::{Error, Hash128, Result};
+use throng_base::{Error, Hash128, Result, error::ensure};
 
 /// Description of the files' content, for messages.
 const WHAT: &str = "a bundle";

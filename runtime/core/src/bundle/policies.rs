@@ -4,8 +4,7 @@ use super::check::{check_used, refuse};
 use super::{Bundle, tags};
 use crate::format::{FormatError, Table};
 use crate::policy::{ActionTable, KIND_SPACE_TIME, PolicySlices, PolicyTable, StateGridRecord, TargetGrid};
-use throng_base::Error;
-use throng_base::error::ensure;
+use throng_base::{Error, error::ensure};
 
 /// Opens all policies: their own checks, names for all, and nothing left over.
 pub(super) fn open_policies(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError> {

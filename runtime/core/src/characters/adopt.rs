@@ -1,17 +1,12 @@
 //! Going on with another bundle.
 
 use super::block::{ROTATION_CODES, encode};
-use super::motion_set::MotionSet;
 use super::policy_characters::{PolicyCharacters, no_graph};
-use super::{CharacterStart, Characters, SampleJob, segments_into_states};
+use super::{CharacterStart, Characters, SampleJob, motion_set::MotionSet, segments_into_states};
 use crate::body::{Mat3x4, PARENTS, hips_ground_height, set_lane};
-use crate::bundle::Bundle;
-use crate::character_group::AdoptReport;
-use crate::skeleton::NUM_JOINTS;
+use crate::{bundle::Bundle, character_group::AdoptReport, skeleton::NUM_JOINTS};
 use glam::{Quat, Vec3};
-use throng_base::error::ensure;
-use throng_base::simd::LANES;
-use throng_base::{Result, maths};
+use throng_base::{Result, error::ensure, maths, simd::LANES};
 
 /// Gives every character the state of the new bundle with the nearest pose; the difference of the poses decays as after
 /// a transition. Nothing has changed after an error.

@@ -6,13 +6,11 @@
 //! choice.
 
 use super::block::{MotionBlock, NO_STATE, SCHEDULED};
-use super::control::active_goals;
 use super::idle::{FACING, TURN_MISSES};
-use super::motion_set::MotionSet;
 use super::order::{PolicyOrder, StandOrder};
-use super::scheduled_clip::to_root;
 use super::transition::{SegmentChange, StartTransitionsJob};
 use super::{Characters, PolicyCharacters, control, pace};
+use super::{control::active_goals, motion_set::MotionSet, scheduled_clip::to_root};
 use crate::body::{BodyLayers, set_lane};
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::{LookAheadGoal, LookAheadJob, NO_ACTION, RankedActions};

@@ -4,10 +4,8 @@
 //! The place at a frame, seen from the first one, is turned by half of the change of heading until then: an arc where a straight path is
 //! walked evenly. It depends on nothing but the frame, and its end is where policies expect it.
 
-use super::block::MotionBlock;
-use super::motion_set::MotionSet;
-use crate::planar::Planar;
-use crate::stops::PIECE_FRAMES;
+use super::{block::MotionBlock, motion_set::MotionSet};
+use crate::{planar::Planar, stops::PIECE_FRAMES};
 use glam::Vec2;
 
 /// Furthest that a bent path is beside the straight lines between its nodes (m).

@@ -1,12 +1,9 @@
 //! State of eight characters, laid out so that one load fetches a value of all eight.
 
-use super::motion_set::MotionSet;
-use super::pace;
+use super::{motion_set::MotionSet, pace};
 use crate::body::{BodyState, FootLock, Lane, Lane3, Lanewise, get_lane, lanewise_fields, planar_of_lane, set_lane};
-use crate::contacts::Contacts;
-use crate::graph::MotionSegment;
 use crate::planar::{Planar, wrap_angle};
-use crate::skeleton::NUM_JOINTS;
+use crate::{contacts::Contacts, graph::MotionSegment, skeleton::NUM_JOINTS};
 use bytemuck::Zeroable;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};

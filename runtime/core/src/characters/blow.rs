@@ -1,8 +1,7 @@
 //! Blows: the effective hits that characters pass as their motion plays (Lee and Lee 2004, section 6).
 
 use super::motion_set::MotionSet;
-use crate::planar::Planar;
-use crate::skeleton::Joint;
+use crate::{planar::Planar, skeleton::Joint};
 use glam::Vec3;
 use throng_base::maths;
 

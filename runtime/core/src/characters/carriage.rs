@@ -1,8 +1,6 @@
 //! Carriage: how each person holds trunk, arms and head, a little unlike any other.
 
-use super::CharactersConfig;
-use super::block::MotionBlock;
-use super::control::random_bits;
+use super::{CharactersConfig, block::MotionBlock, control::random_bits};
 use crate::body::{LanePose, load};
 use crate::skeleton::Joint;
 use throng_base::simd::{LANES, Lanes, Q};

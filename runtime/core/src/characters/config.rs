@@ -1,9 +1,8 @@
 //! Settings of characters.
 
 use super::{AvoidConfig, FootLockConfig, ReactionConfig};
-use throng_base::Result;
 use throng_base::error::{check_range, check_value};
-use throng_base::limits::TEMPERATURE;
+use throng_base::{Result, limits::TEMPERATURE};
 
 /// Method by which a character chooses among the actions of its state.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,21 +1,13 @@
 //! Control: a character at the end of its segment chooses the next action.
 
 use super::avoid::{SegmentPlan, stop_of};
-use super::bent;
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
-use super::blow::PassedHits;
-use super::idle::StandingChooser;
-use super::manner::MannerName;
-use super::motion_set::MotionSet;
-use super::order::PolicyOrder;
-use super::scheduled_clip::to_root;
-use super::step::CharactersTick;
 use super::transition::{SegmentChange, StartTransitionsJob};
 use super::{ActionChoice, Characters, CharactersConfig, pace};
-use crate::body::set_lane;
-use crate::graph::MotionSegment;
-use crate::planar::Planar;
+use super::{bent, blow::PassedHits, manner::MannerName, order::PolicyOrder, step::CharactersTick};
+use super::{idle::StandingChooser, motion_set::MotionSet, scheduled_clip::to_root};
 use crate::policy::{self, BestActionJob, LookAheadJob, MAX_RANKED, NO_ACTION, PolicyTable, RankedActions};
+use crate::{body::set_lane, graph::MotionSegment, planar::Planar};
 use glam::{Vec2, Vec3};
 use throng_base::simd::{LANES, dispatch};
 

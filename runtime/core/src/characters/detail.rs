@@ -1,8 +1,7 @@
 //! Bodies that sleep while nobody is near, and the records of characters.
 
 use super::block::{BodyBlock, MotionBlock};
-use super::motion_set::MotionSet;
-use super::transition;
+use super::{motion_set::MotionSet, transition};
 use crate::body::{Decay, DetailLevel, FramePosition, HALF_LIVES_KEPT, PlacementLanes, PoseInstance, unorm};
 use throng_base::simd::{LANES, Lanes};
 

@@ -5,17 +5,14 @@
 //! and at times of its own it changes to another one.
 
 use super::block::{MotionBlock, NO_STATE};
-use super::control::uniform_random;
-use super::manner::Manners;
 use super::order::{PolicyOrder, StandOrder};
-use super::{Characters, CharactersConfig, MotionSet, pace};
+use super::{Characters, CharactersConfig, MotionSet, control::uniform_random, manner::Manners, pace};
 use crate::graph::{MotionGraph, MotionSegment};
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::{NO_ACTION, PolicyTable};
 use crate::stops::REST;
 use glam::Vec3;
-use throng_base::maths;
-use throng_base::simd::LANES;
+use throng_base::{maths, simd::LANES};
 
 /// Time between two changes of clip of a character that idles (s).
 const CHANGE_S: [f32; 2] = [8.0, 20.0];

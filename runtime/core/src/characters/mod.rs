@@ -36,10 +36,8 @@ use crate::body::{
     BodyVolume, HeightField, LimbTouch, LocalTransform, Mat3x4, PartnerTouch, RANGE_BLOCKS, RANGE_LEN, TouchConfig,
 };
 pub use crate::body::{Detail, DetailLevel, PoseInstance};
-use crate::bundle::Bundle;
-use crate::contacts::Contacts;
-use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
+use crate::{bundle::Bundle, contacts::Contacts, planar::Planar};
 pub use avoid::AvoidConfig;
 use avoid::PathAvoidance;
 use block::{BodyBlock, MotionBlock};
@@ -58,8 +56,7 @@ pub use snapshot::CharactersSnapshot;
 use step::{CharacterRange, CharactersTick};
 use throng_base::error::{check_index, check_length, check_value, ensure};
 use throng_base::limits::{CAPACITY, STEP_S};
-use throng_base::simd::LANES;
-use throng_base::{Error, Executor, Id, Inline, Result, maths, run_each};
+use throng_base::{Error, Executor, Id, Inline, Result, maths, run_each, simd::LANES};
 
 /// Frames between which a character last travelled, and where a point of its body is in them: frames last longer than most steps.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,18 +1,12 @@
 //! Views of a bundle that a step reads, checked once.
 
-use super::answer::StandEntries;
 use super::idle::{PathsToStand, TurnToStand, find_turns};
-use super::manner::Manners;
+use super::{answer::StandEntries, manner::Manners};
 use crate::body::{ClipRows, FramePosition, LaneBody, WINDOW, sample_number};
-use crate::bundle::Bundle;
-use crate::contacts::Contacts;
 use crate::format::{ClipRecord, FrameRow, RotationCode, Table};
-use crate::graph::MotionGraph;
-use crate::hits::HitRecord;
-use crate::planar::Planar;
-use crate::policy::PolicyTable;
 use crate::skeleton::{Joint, Skeleton};
-use crate::stops::StopTables;
+use crate::{bundle::Bundle, contacts::Contacts, hits::HitRecord, planar::Planar, stops::StopTables};
+use crate::{graph::MotionGraph, policy::PolicyTable};
 
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};

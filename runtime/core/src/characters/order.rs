@@ -1,12 +1,7 @@
 //! Orders of one character: behaviours, their weights, and the target they are about.
 
-use super::control::MAX_GOALS;
-use super::manner::MannerName;
-use super::motion_set::MotionSet;
-use crate::body::BodyLayers;
-use crate::bundle::Bundle;
-use crate::planar::wrap_angle;
-use crate::policy::PolicyTable;
+use super::{control::MAX_GOALS, manner::MannerName, motion_set::MotionSet};
+use crate::{body::BodyLayers, bundle::Bundle, planar::wrap_angle, policy::PolicyTable};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::error::{check_index, check_value, ensure};

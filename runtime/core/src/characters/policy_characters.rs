@@ -1,30 +1,22 @@
 //! Characters as a character group: they come and go, each with an id and an order of its own.
 
 use super::block::{BodyBlock, MotionBlock, SCHEDULED};
-use super::idle::FACED;
-use super::motion_set::MotionSet;
-use super::order::PolicyOrder;
-use super::snapshot::is_sound;
 use super::{
     CharacterStart, Characters, CharactersConfig, Detail, PoseInstance, check_root, occupied_error,
     segments_into_states,
 };
+use super::{idle::FACED, motion_set::MotionSet, order::PolicyOrder, snapshot::is_sound};
 use crate::body::{
     BlockBefore, BodyEvent, BodyEventKind, BodyEvents, BodyLayers, BodyVolume, HeightField, LimbTouch, MovedBody,
     NO_ROW, TouchConfig,
 };
-use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
-use crate::contacts::Contacts;
-use crate::planar::Planar;
 use crate::reserve::{FloorWall, ReservedRegion};
-use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
+use crate::{bundle::Bundle, contacts::Contacts, planar::Planar, roster::Roster};
 use glam::{Vec2, Vec3};
 use throng_base::error::{check_index, check_value, ensure};
-use throng_base::limits::STEP_S;
-use throng_base::simd::LANES;
-use throng_base::{Error, Executor, Hash128, Id, Result, SnapshotKind};
+use throng_base::{Error, Executor, Hash128, Id, Result, SnapshotKind, limits::STEP_S, simd::LANES};
 
 /// Distance from the target within which a character has arrived (m).
 pub const ARRIVED_M: f32 = 0.5;

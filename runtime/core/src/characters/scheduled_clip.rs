@@ -1,13 +1,10 @@
 //! Scheduled clips: stretches of frames that a character plays in place of choosing by a policy.
 
-use super::Characters;
 use super::block::{MotionBlock, NO_STATE, SCHEDULED};
-use super::motion_set::MotionSet;
 use super::transition::{SegmentChange, StartTransitionsJob, wake_block};
+use super::{Characters, motion_set::MotionSet};
 use crate::body::{Lanewise, set_lane};
-use crate::patch::Placement;
-use crate::planar::Planar;
-use crate::skeleton::NUM_JOINTS;
+use crate::{patch::Placement, planar::Planar, skeleton::NUM_JOINTS};
 use glam::{Vec2, Vec3};
 use throng_base::Result;
 use throng_base::error::{check_index, check_value};

@@ -1,16 +1,12 @@
 //! Saves the state of characters and restores it.
 
-use super::Characters;
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
-use super::motion_set::MotionSet;
-use super::pace;
 use super::step::{self, CharactersTick};
+use super::{Characters, motion_set::MotionSet, pace};
 use crate::body::{Lanewise, LimbTouch, Mat3x4};
 use crate::skeleton::NUM_JOINTS;
 use serde::{Deserialize, Serialize};
-use throng_base::error::ensure;
-use throng_base::simd::LANES;
-use throng_base::{Error, Result};
+use throng_base::{Error, Result, error::ensure, simd::LANES};
 
 /// Longest time until a scheduled clip begins (s).
 const LONGEST_S: f32 = 1e3;

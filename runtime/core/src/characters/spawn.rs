@@ -1,14 +1,9 @@
 //! Spawning and despawning: characters stay side by side in memory.
 
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
-use super::control::draw_random;
-use super::manner::MannerName;
-use super::motion_set::MotionSet;
-use super::pace;
-use super::{CharacterStart, Characters};
+use super::{CharacterStart, Characters, control::draw_random, manner::MannerName, motion_set::MotionSet, pace};
 use crate::body::{FootLock, Lanewise, LimbTouch, LocalTransform, Mat3x4, set_lane};
-use crate::planar::Planar;
-use crate::skeleton::NUM_JOINTS;
+use crate::{planar::Planar, skeleton::NUM_JOINTS};
 use glam::Vec3;
 use throng_base::simd::LANES;
 

@@ -3,17 +3,9 @@
 //! Characters are handled in ranges of whole blocks; nothing in a range depends on another, so results do not
 //! depend on how characters are split.
 
-use super::bent;
 use super::block::{BodyBlock, MotionBlock, SCHEDULED};
-use super::blow::PassedHits;
-use super::carriage::add_carriage;
-use super::control;
-use super::decay::add_offsets;
-use super::detail;
-use super::idle::idle_rate;
-use super::motion_set::MotionSet;
-use super::pace;
-use super::{CharactersConfig, PolicyOrder};
+use super::{CharactersConfig, PolicyOrder, carriage::add_carriage, motion_set::MotionSet};
+use super::{bent, blow::PassedHits, control, decay::add_offsets, detail, idle::idle_rate, pace};
 use crate::body::{
     BlockTouch, BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, FrameCursor,
     FramePosition, HeightField, LEGS, Lane, Lane3, LaneBody, LanePose, LayerLanes, LimbTouch, LocalTransform, Mat3x4,

@@ -7,9 +7,8 @@
 use super::MotionSet;
 use super::block::{BodyBlock, MotionBlock, ROTATION_CODES, SCHEDULED, VELOCITY_CODES, decode, encode};
 use crate::body::{BodyState, Decay, HALF_LIVES_KEPT, get_lane, load, set_lane, store};
-use crate::format::FrameRow;
-use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
+use crate::{format::FrameRow, planar::Planar};
 use glam::Vec3;
 use throng_base::simd::{LANES, LaneWork, Lanes, Q, V, dispatch};
 

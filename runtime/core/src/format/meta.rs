@@ -2,8 +2,7 @@
 
 use super::{ClassSpan, FormatError};
 use crate::hits::KIND_NAMES;
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use throng_base::error::ensure;
 
 /// Most bytes an encoded section may ask for while it is decoded (bytes).

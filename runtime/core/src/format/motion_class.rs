@@ -1,8 +1,7 @@
 //! Class of motion: posture, gait, and how a body carries itself, for every frame of a clip.
 
 use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::ops::Range;
+use std::{fmt, ops::Range};
 use throng_base::thresholds::JOG_BELOW_MPS;
 
 /// How high a body holds its trunk.

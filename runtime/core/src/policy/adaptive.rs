@@ -9,9 +9,8 @@ use super::maths::{angle_of, least, nearest_index};
 use super::table::{PolicyTable, SegmentRecord};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use throng_base::error::check_value;
 use throng_base::simd::{LANES, Lanes};
-use throng_base::{Id, Result};
+use throng_base::{Id, Result, error::check_value};
 
 /// Most cells of one state of an adaptive policy, since cells are counted in `f32`.
 pub const MAX_STATE_CELLS: usize = 1 << 24;

@@ -3,8 +3,7 @@
 use super::look_ahead::{check_states, check_targets};
 use super::table::{NO_ACTION, PolicyTable};
 use glam::Vec3;
-use throng_base::Result;
-use throng_base::error::check_length;
+use throng_base::{Result, error::check_length};
 
 /// Looks up the next action of every character in one pass.
 ///

@@ -4,8 +4,7 @@ use super::maths::angle_of;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::PI;
-use throng_base::Result;
-use throng_base::error::check_value;
+use throng_base::{Result, error::check_value};
 
 /// Targets for which a behaviour is active, in the character's frame; for others its weight is 0 (Lee and Lee 2004,
 /// section 6: the punch behaviour is activated only when the target is in the bounding box of effective hitting

@@ -3,9 +3,8 @@
 use super::adaptive::{StateGridRecord, check_state_grids};
 use super::grid::{GridRecord, TargetGrid};
 use super::maths::{greatest, least};
-use super::region::RegionRecord;
 use super::reward::{Reward, RewardRecord};
-use super::space_time::PathRecord;
+use super::{region::RegionRecord, space_time::PathRecord};
 use crate::format::Table;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

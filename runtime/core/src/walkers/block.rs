@@ -1,9 +1,7 @@
 //! The state of eight walkers.
 
-use crate::blend::MAX_AXES;
 use crate::body::{BodyState, FootLock, Lane, Lane3, Lanewise, is_share, lanewise_fields, planar_of_lane, set_lane};
-use crate::contacts::Contacts;
-use crate::planar::Planar;
+use crate::{blend::MAX_AXES, contacts::Contacts, planar::Planar};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;

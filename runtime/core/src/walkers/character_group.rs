@@ -2,14 +2,9 @@
 
 use super::{Control, WalkerActivity, WalkerStart, Walkers, WalkersState, config};
 use crate::body::{BlockBefore, BodyEvent, BodyEventKind, Lanewise, MovedBody, NO_ROW};
-use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
-use crate::planar::Planar;
-use crate::skeleton::NUM_JOINTS;
-use crate::walkers::block::WalkerBlock;
-use throng_base::limits::STEP_S;
-use throng_base::simd::LANES;
-use throng_base::{Error, Executor, Id, Result, SnapshotKind};
+use crate::{bundle::Bundle, planar::Planar, skeleton::NUM_JOINTS, walkers::block::WalkerBlock};
+use throng_base::{Error, Executor, Id, Result, SnapshotKind, limits::STEP_S, simd::LANES};
 
 impl CharacterGroup for Walkers {
     type Start = WalkerStart;

@@ -1,15 +1,12 @@
 //! Settings, starts and orders of walkers, and the limits of their numbers.
 
-use crate::blend::MAX_AXES;
 use crate::body::{ARMS, BodyLayers, FootLockConfig, LEGS, ReactionConfig};
-use crate::planar::Planar;
 use crate::skeleton::{Joint, Skeleton};
+use crate::{blend::MAX_AXES, planar::Planar};
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use throng_base::error::{check_index, check_range, check_value};
-use throng_base::maths;
-use throng_base::thresholds::PACE_CHANGES_MPS2;
-use throng_base::{Id, Result};
+use throng_base::{Id, Result, maths, thresholds::PACE_CHANGES_MPS2};
 
 /// Limit of positions, speeds and angles (m, m/s, rad).
 const FAR: f32 = 1e6;

@@ -7,16 +7,13 @@ mod perform;
 mod steer;
 mod step;
 
-use crate::blend::BlendSpace;
-use crate::blend::MAX_AXES;
 use crate::body::{
     BodyEvents, Detail, DetailLevel, LaneBody, LocalTransform, Mat3x4, PoseInstance, RANGE_BLOCKS, RANGE_LEN,
 };
 use crate::body::{HeightField, find_soles};
-use crate::contacts::Contacts;
-use crate::planar::Planar;
-use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use crate::{blend::BlendSpace, blend::MAX_AXES};
+use crate::{contacts::Contacts, planar::Planar, roster::Roster};
 use block::WalkerBlock;
 pub use config::{Control, InertiaConfig, WalkerStart, WalkersConfig};
 use glam::Vec3;
@@ -24,10 +21,7 @@ use perform::PerformanceState;
 pub use perform::{Performance, PerformancePart, PerformanceProgress};
 use serde::{Deserialize, Serialize};
 use step::{WalkerRange, WalkersTick};
-use throng_base::limits::CAPACITY;
-use throng_base::maths;
-use throng_base::simd::LANES;
-use throng_base::{Executor, Hash128, Id, Result, run_each};
+use throng_base::{Executor, Hash128, Id, Result, limits::CAPACITY, maths, run_each, simd::LANES};
 
 /// Characters that follow trajectories with blended bodies, eight to a block. A [`CharacterGroup`](crate::CharacterGroup): they enter and
 /// leave, and are ordered about with [`Control`].

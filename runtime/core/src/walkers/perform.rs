@@ -3,8 +3,7 @@
 //! The activity's posture is mixed into the blended one by a share, before it is put on the body and on the ground:
 //! standing feet stay in place. A spring pulls the share, so that its rate never jumps.
 
-use super::Control;
-use super::block::WalkerBlock;
+use super::{Control, block::WalkerBlock};
 use crate::blend::{Activity, ActivityId, ActivitySample, ActivitySet, AxisRecord, BlendedPosture, MAX_AXES, axis};
 use crate::body::{DampedSpring, NO_ROW};
 use crate::planar::wrap_angle;

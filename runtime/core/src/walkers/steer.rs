@@ -1,12 +1,8 @@
 //! Steering: from a trajectory to a position in the parameter box, with heading, speeds and turning rate eased.
 
-use super::block::WalkerBlock;
-use super::{Control, InertiaConfig, WalkersConfig};
-use crate::blend::BlendSpace;
+use super::{Control, InertiaConfig, WalkersConfig, block::WalkerBlock};
 use crate::blend::{AxisRecord, MAX_AXES, axis};
-use crate::body::DampedSpring;
-use crate::body::LaneBody;
-use crate::planar::wrap_angle;
+use crate::{blend::BlendSpace, body::DampedSpring, body::LaneBody, planar::wrap_angle};
 use glam::Vec2;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_base::maths;

@@ -4,19 +4,15 @@
 //! on how walkers are split. Postures are blended one by one, with a lane for each joint, and retargeted by eights,
 //! with a lane for each character.
 
-use super::block::WalkerBlock;
-use super::perform::PerformanceInputs;
-use super::steer::WalkerSteering;
 use super::{Control, WalkerActivity, WalkersConfig};
+use super::{block::WalkerBlock, perform::PerformanceInputs, steer::WalkerSteering};
 use crate::blend::{BlendSpace, BlendedPosture, channel, smooth_share};
 use crate::body::{
     Bearing, BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, HeightField, LEGS, Lane,
     LaneBody, LanePose, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacementLanes, PlantFeet, PoseInstance,
     PoseOutput, SolePose, load, planar_of_lane, pose_block, reach_hand, unorm,
 };
-use crate::contacts::Contacts;
-use crate::planar::Planar;
-use crate::skeleton::NUM_JOINTS;
+use crate::{contacts::Contacts, planar::Planar, skeleton::NUM_JOINTS};
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, Q, V, dispatch};
 use throng_base::thresholds::{STEP_TIME_MPS, WALKER_KNEE_RADPM, WALKER_KNEE_RADPS};
 

@@ -2,29 +2,20 @@
 
 use super::safety::PlanAim;
 use crate::events::schemes::{FirstContact, SchemeRef};
-use crate::routes::guide::Guide;
 use crate::routes::passages::{PassageAdvice, PassageTurns};
 use crate::routes::path::{OPEN_M, RouteCursor};
-use crate::safety::bound::Bound;
-use crate::safety::nearby_plans::NearbyPlans;
-use crate::scenery::CrowdScenery;
-use crate::space::cells::CellGrid;
-use crate::space::plan::MotionPlan;
 use crate::steering::company::{Companion, GroupAhead, companion_force};
-use crate::steering::density_grid::DensityGrid;
-use crate::steering::far_field::oncoming;
-use crate::steering::filter::VelocityFilter;
 use crate::steering::forces::{ForceSurroundings, SteeredAgent, contact_horizon, felt_within, sum_forces};
 use crate::steering::keep_right::between_walls;
 use crate::steering::neighbours::{NeighbourQuery, NeighbourRows, PerceptionLimits};
 use crate::steering::relationships::{MOST_COMPANIONS, RelationshipTable};
 use crate::steering::retreat::{BlockedAgent, CorridorHalf};
 use crate::steering::sight::{ROUNDING, SeenNeighbour};
-use crate::{AtEnd, Forces, NONE, Space};
+use crate::{AtEnd, Forces, NONE, Space, space::plan::MotionPlan, steering::far_field::oncoming};
+use crate::{routes::guide::Guide, safety::bound::Bound, scenery::CrowdScenery, space::cells::CellGrid};
+use crate::{safety::nearby_plans::NearbyPlans, steering::density_grid::DensityGrid, steering::filter::VelocityFilter};
 use serde::{Deserialize, Serialize};
-use throng_base::ground::ExternalObstacles;
-use throng_base::simd::LANES;
-use throng_base::thresholds::RUNS_MPS;
+use throng_base::{ground::ExternalObstacles, simd::LANES, thresholds::RUNS_MPS};
 use throng_geometry::Bounds2d;
 
 /// Longest plan of an agent near an external obstacle, whose motion may change at any time (s).

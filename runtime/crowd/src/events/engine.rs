@@ -3,20 +3,12 @@
 use crate::error::{CrowdError, Result};
 use crate::events::decide::{AgentState, Cause, Decider, Decision, DecisionScratch};
 use crate::events::event::{CrowdEvent, CrowdEventKind, EventCounts};
-use crate::events::occupancy::Occupancy;
-use crate::events::prefetch::Prefetcher;
-use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
-use crate::events::watchdog::Watchdog;
 use crate::routes::passages::{PassageTurns, TURN_S};
-use crate::routes::path::RoutePath;
-use crate::scenery::CrowdScenery;
-use crate::senses::Sensors;
-use crate::space::cells::CellGrid;
-use crate::space::plan::MotionPlan;
-use crate::steering::density_grid::DensityGrid;
-use crate::steering::relationships::RelationshipTable;
-use crate::{CrowdSetup, Id, NONE, Scheme, Sense, Space};
+use crate::{CrowdSetup, Id, NONE, Scheme, Sense, Space, steering::relationships::RelationshipTable};
+use crate::{events::occupancy::Occupancy, events::prefetch::Prefetcher, steering::density_grid::DensityGrid};
+use crate::{events::queue::Calendar, scenery::CrowdScenery, senses::Sensors, space::cells::CellGrid};
+use crate::{events::watchdog::Watchdog, routes::path::RoutePath, space::plan::MotionPlan};
 use serde::{Deserialize, Serialize};
 use throng_base::ground::ExternalObstacles;
 

@@ -6,12 +6,9 @@
 //! one level are decided at the same time. Their results are applied in the order of levels, and reported in the order
 //! of time. So the result is that of one event after the other.
 
-use crate::error::Result;
 use crate::events::decide::{Decision, DecisionScratch};
-use crate::events::engine::Engine;
-use crate::events::event::CrowdEvent;
 use crate::events::schemes::REGISTRATION;
-use crate::{NONE, Space};
+use crate::{NONE, Space, error::Result, events::engine::Engine, events::event::CrowdEvent};
 use std::sync::{Mutex, PoisonError};
 use throng_base::{Executor, Inline};
 

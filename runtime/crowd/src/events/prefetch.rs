@@ -5,10 +5,8 @@
 //! ahead of the events, one link at each.
 
 use crate::events::decide::{AgentState, Cause};
-use crate::events::engine::Engine;
-use crate::events::queue::CalendarScout;
 use crate::steering::far_field::prefetch_oncoming;
-use crate::{NONE, Space};
+use crate::{NONE, Space, events::engine::Engine, events::queue::CalendarScout};
 use throng_base::prefetch;
 
 /// Progress in preparing the next events.

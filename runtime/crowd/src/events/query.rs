@@ -1,12 +1,8 @@
 //! Queries of a crowd between its events.
 
 use crate::events::decide::{Decider, DecisionScratch};
-use crate::events::engine::Engine;
-use crate::routes::order::AgentStatus;
-use crate::safety::bound::Bound;
-use crate::space::plan::MotionPlan;
-use crate::steering::relationships::MOST_COMPANIONS;
-use crate::{Agent, AtEnd, Forces, Id, NONE, Space};
+use crate::{Agent, AtEnd, Forces, Id, NONE, Space, steering::relationships::MOST_COMPANIONS};
+use crate::{events::engine::Engine, routes::order::AgentStatus, safety::bound::Bound, space::plan::MotionPlan};
 
 impl<V: Space> Engine<V> {
     /// Bytes that an agent takes, beside its route: those of one place of all vectors that are as long as the crowd.

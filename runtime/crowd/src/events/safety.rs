@@ -1,10 +1,8 @@
 //! A plan that the safety rule allows, near to the desired one.
 
 use super::decide::{AgentState, Decider, DecisionScratch};
-use crate::Space;
-use crate::safety::reach::PlanReach;
 use crate::safety::rule::{PlanCandidate, SafetyViolation, lever};
-use crate::space::plan::MotionPlan;
+use crate::{Space, safety::reach::PlanReach, space::plan::MotionPlan};
 use throng_base::thresholds::GIVING_WAY_MPS;
 
 /// The motion that a new plan is wanted to have.

@@ -1,13 +1,9 @@
 //! Schedule of an agent's next event: the scheme of Kim, Kim and Shin (2003b), and the interface of others.
 
-use crate::Space;
-use crate::events::decide::Cause;
 use crate::events::occupancy::Occupancy;
 use crate::safety::bound::{Bound, time_until_gone_lanes};
-use crate::space::batch::set_bits;
-use crate::space::cells::CellGrid;
-use crate::space::plan::MotionPlan;
 use crate::steering::neighbours::{NeighbourRow, NeighbourRows};
+use crate::{Space, events::decide::Cause, space::batch::set_bits, space::cells::CellGrid, space::plan::MotionPlan};
 use throng_base::simd::{LaneWork, Lanes, dispatch};
 
 /// Scheme by which an agent at an event computes its next one.

@@ -1,11 +1,9 @@
 //! The engine's part: looking for what an agent senses next, and letting it happen.
 
 use super::engine::Engine;
-use crate::error::Result;
 use crate::senses::crossing::{first_change, is_near, leaves_cell};
 use crate::senses::{Sense, SensedEvent, SensingState, swept_bounds};
-use crate::space::plan::MotionPlan;
-use crate::{CrowdEventKind, Id, NONE, Space};
+use crate::{CrowdEventKind, Id, NONE, Space, error::Result, space::plan::MotionPlan};
 
 impl<V: Space> Engine<V> {
     /// Sets the senses of an agent.

@@ -7,12 +7,9 @@
 //! another rank. Then all ranks exchange the changes in each other's margins, and go on with the events that waited. So
 //! the motion is that of one process, bit by bit, and the safety rule compares the same plans.
 
-use crate::error::Result;
 use crate::events::decide::AgentState;
 use crate::events::engine::{Engine, SeenAgent};
-use crate::events::parallel::WINDOW;
-use crate::space::plan::MotionPlan;
-use crate::{EventCounts, NONE, Space};
+use crate::{EventCounts, NONE, Space, error::Result, events::parallel::WINDOW, space::plan::MotionPlan};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use throng_base::{Comm, Error, unexpected_message};
 

@@ -2,24 +2,14 @@
 
 use crate::error::{CrowdError, Result};
 use crate::events::decide::{AgentState, Cause};
-use crate::events::engine::Engine;
-use crate::events::occupancy::Occupancy;
-use crate::routes::goals::GoalTable;
-use crate::routes::passages::PassageTurn;
-use crate::routes::path::RoutePath;
-use crate::routes::streets::Streets;
-use crate::safety::saved_plans;
 use crate::scenery::{CrowdScenery, Door};
-use crate::senses::SensingState;
-use crate::space::cells::CellGrid;
-use crate::space::plan::MotionPlan;
-use crate::steering::density_grid::DensityGrid;
-use crate::steering::relationships::AgentRelationships;
-use crate::{CrowdSetup, EventCounts, NONE, Route, Space};
+use crate::{CrowdSetup, EventCounts, NONE, Route, Space, steering::relationships::AgentRelationships};
+use crate::{events::engine::Engine, safety::saved_plans, senses::SensingState, space::cells::CellGrid};
+use crate::{events::occupancy::Occupancy, routes::passages::PassageTurn, steering::density_grid::DensityGrid};
+use crate::{routes::goals::GoalTable, routes::path::RoutePath, routes::streets::Streets, space::plan::MotionPlan};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
-use throng_base::error::ensure;
-use throng_base::{Error, Hash128, SnapshotKind, StateHash};
+use throng_base::{Error, Hash128, SnapshotKind, StateHash, error::ensure};
 
 /// Grows by one with every change of what is kept.
 const VERSION: u32 = 11;

@@ -2,18 +2,15 @@
 
 use crate::error::{CrowdError, Result, check};
 use crate::events::decide::{AgentState, Cause};
-use crate::events::engine::Engine;
 use crate::routes::order::{AgentOrder, OrderDestination};
 use crate::routes::path::{RouteCursor, RoutePath};
 use crate::safety::nearby_plans::find_violation;
 use crate::safety::rule::{MARGIN, PlanCandidate, clearance};
 use crate::scenery::{CrowdScenery, Door, check_agent};
-use crate::space::plan::MotionPlan;
-use crate::steering::filter::VelocityFilter;
 use crate::{Agent, AtEnd, Id, InterestLocation, NONE, Obstacle, PersonalInterest, Route, RouteBegin, Space};
+use crate::{events::engine::Engine, space::plan::MotionPlan, steering::filter::VelocityFilter};
 use glam::Vec3Swizzles;
-use throng_base::Error;
-use throng_base::error::check_index;
+use throng_base::{Error, error::check_index};
 
 impl<V: Space> Engine<V> {
     /// Spawns an agent, now.

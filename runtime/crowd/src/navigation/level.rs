@@ -1,11 +1,9 @@
 //! Routes of bodies over a level, on all its floors.
 
 use super::{MOST_SEEN, NARROW_RADII, NavigatedBody};
-use crate::routes::passages::Passages;
 use crate::routes::path::{RouteCursor, RoutePath};
-use crate::routes::streets::Streets;
-use crate::space::solid::ConvexSolid;
 use crate::{AtEnd, Obstacle, Route, Space};
+use crate::{routes::passages::Passages, routes::streets::Streets, space::solid::ConvexSolid};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_base::ground::{FLOOR_M, is_one_floor};
 use throng_base::{Error, Id, Result};

@@ -11,13 +11,10 @@
 //! they see along it, and walk across oncoming agents. The straight path then is one of the paths, by the place where
 //! it crosses the line at a corner.
 
-use crate::Space;
-use crate::routes::goals::GoalTable;
 use crate::routes::path::{RouteCursor, RoutePath};
 use crate::routes::streets::{CornerQuery, MOST_CORNERS, RouteCorner, Streets};
-use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
-use crate::steering::far_field::oncoming;
+use crate::{Space, routes::goals::GoalTable, steering::config::SteeringConfig, steering::far_field::oncoming};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// Inputs of an agent's path search.

@@ -1,8 +1,7 @@
 //! Prepared routes: lines across the path at each subgoal, and the goals of agents that find their own paths.
 
-use crate::error::check;
 use crate::space::solid::{ConvexSolid, is_inside};
-use crate::{AtEnd, NONE, Obstacle, Route, RouteBegin, Space};
+use crate::{AtEnd, NONE, Obstacle, Route, RouteBegin, Space, error::check};
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, prefetch};
 use throng_geometry::distance_to_segment;

@@ -1,9 +1,7 @@
 //! Time-varying bounds: the region that an agent can reach by any motion (Kim, Kim and Shin 2003a, eq. 3 and 4, Kim,
 //! Kim and Shin (2003b), eq. 3 and 4).
 
-use crate::Space;
-use crate::space::plan::MotionPlan;
-use crate::space::solid::ConvexSolid;
+use crate::{Space, space::plan::MotionPlan, space::solid::ConvexSolid};
 use throng_base::simd::Lanes;
 
 /// Rounds of refinement of a first contact; each comes nearer to it from before.

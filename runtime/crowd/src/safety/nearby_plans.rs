@@ -2,8 +2,7 @@
 
 use crate::safety::rule::{MARGIN, PlanCandidate, SafetyViolation};
 use crate::space::batch::{Eight, PlanLanes, Sides, VectorLanes, nth_vector, set_bits};
-use crate::space::plan::MotionPlan;
-use crate::{NONE, Space};
+use crate::{NONE, Space, space::plan::MotionPlan};
 use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// Plans of eight, each number of all of them side by side.

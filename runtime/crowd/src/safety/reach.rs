@@ -1,11 +1,7 @@
 //! Stop regions that a plan may reach: a coarse test that leaves few plans to compare exactly.
 
-use crate::Space;
-use crate::safety::nearby_plans::NearbyPlans;
-use crate::space::batch::set_bits;
-use crate::space::cells::CellGrid;
-use crate::space::plan::MotionPlan;
-use crate::steering::neighbours::NeighbourRow;
+use crate::{Space, space::batch::set_bits, space::cells::CellGrid, space::plan::MotionPlan};
+use crate::{safety::nearby_plans::NearbyPlans, steering::neighbours::NeighbourRow};
 use throng_base::simd::{LaneWork, Lanes, dispatch};
 
 /// Room for rounding (m).

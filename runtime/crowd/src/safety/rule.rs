@@ -33,9 +33,8 @@
 //! Moving obstacles do not yield; they are taken for agents that never brake, over the time of a plan and of braking
 //! after it, though not beyond the next point of their path. A trapped agent may still be struck.
 
-use crate::Space;
 use crate::space::plan::{MotionPlan, stopping_point};
-use crate::space::solid::ConvexSolid;
+use crate::{Space, space::solid::ConvexSolid};
 use throng_geometry::{Bounds2d, Capsule2d, share_along};
 
 /// Margin against rounding, whose error is smaller within 500 m of the origin (m).

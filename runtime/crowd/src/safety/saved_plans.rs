@@ -4,11 +4,8 @@
 //! were taken at different times, so that the quick rule may refuse a pair that it once allowed. Such pairs are
 //! compared step by step, with steps so short that no stop region moves farther than the room there is.
 
-use crate::Space;
-use crate::safety::nearby_plans::find_violation;
 use crate::safety::rule::{MARGIN, PlanCandidate, clearance};
-use crate::space::plan::MotionPlan;
-use crate::space::solid::ConvexSolid;
+use crate::{Space, safety::nearby_plans::find_violation, space::plan::MotionPlan, space::solid::ConvexSolid};
 
 /// Shortest step, as a displacement of the stop regions (m).
 const STEP_M: f32 = 2e-4;

@@ -1,9 +1,7 @@
 //! Times at which two parabolas come within a distance of each other, or apart: by conservative advancement, so that no
 //! crossing is missed.
 
-use crate::Space;
-use crate::senses::Sensors;
-use crate::space::plan::MotionPlan;
+use crate::{Space, senses::Sensors, space::plan::MotionPlan};
 
 /// Shortest advance (s). What dips below a distance for less is less deep than rounding is.
 const LEAST_S: f64 = 1e-4;

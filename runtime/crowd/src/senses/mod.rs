@@ -7,12 +7,10 @@
 
 pub(crate) mod crossing;
 
-use crate::Space;
-use crate::space::plan::MotionPlan;
+use crate::{Space, space::plan::MotionPlan};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::Result;
-use throng_base::error::check_value;
+use throng_base::{Result, error::check_value};
 use throng_geometry::{Bounds2d, BoxGrid};
 
 /// Zones, cells and distances that agents of a crowd may sense.

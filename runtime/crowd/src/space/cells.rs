@@ -1,8 +1,7 @@
 //! The cells of space that agents are registered in, and the plans of all of them.
 
-use crate::Space;
 use crate::space::batch::{PlanLanes, VectorLanes};
-use crate::space::plan::MotionPlan;
+use crate::{Space, space::plan::MotionPlan};
 use std::marker::PhantomData;
 use throng_base::prefetch;
 use throng_base::simd::{LANES, Lanes};

@@ -1,7 +1,6 @@
 //! Convex bodies that obstacles are made of.
 
-use crate::error::check;
-use crate::{Obstacle, Space};
+use crate::{Obstacle, Space, error::check};
 use glam::Vec2;
 use throng_base::Result;
 use throng_geometry::{polygon_contains, share_along};

@@ -4,10 +4,8 @@
 //! Each has a place in the group: beside the group's middle, or ahead of it or behind it. It aims aside of its
 //! direction to get there, and walks faster or slower: so members that are ahead wait.
 
-use crate::Space;
-use crate::space::solid::ConvexSolid;
-use crate::steering::forces::SteeredAgent;
 use crate::steering::relationships::MOST_COMPANIONS;
+use crate::{Space, space::solid::ConvexSolid, steering::forces::SteeredAgent};
 
 /// Gap of two that walk abreast: more than that within which they repel each other (m).
 const BESIDE_M: f32 = 0.25;

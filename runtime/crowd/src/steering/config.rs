@@ -1,8 +1,7 @@
 //! The numbers of steering that were tuned by trial.
 
 use serde::{Deserialize, Serialize};
-use throng_base::Result;
-use throng_base::error::check_value;
+use throng_base::{Result, error::check_value};
 
 /// A number or numbers that can be out of a range.
 trait CheckRange {

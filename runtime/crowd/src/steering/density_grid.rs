@@ -1,7 +1,6 @@
 //! The density grid: how many agents are where, and how they move, seen from afar.
 
-use crate::Space;
-use crate::space::cells::fold_bits;
+use crate::{Space, space::cells::fold_bits};
 use serde::{Deserialize, Serialize};
 use throng_base::prefetch;
 

@@ -1,9 +1,7 @@
 //! The far field: which directions the crowd at large makes better or worse.
 
-use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
-use crate::steering::sight::DIRECTIONS;
-use crate::{ForceField, Space};
+use crate::{ForceField, Space, steering::config::SteeringConfig, steering::sight::DIRECTIONS};
 
 /// Reaction of an agent to others that come toward it from afar.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,7 +1,6 @@
 //! A Kalman filter on velocity, against abrupt changes that would show in a motion (Kim, Kim and Shin 2003b, section 2.1).
 
-use crate::Space;
-use crate::steering::config::SteeringConfig;
+use crate::{Space, steering::config::SteeringConfig};
 use serde::{Deserialize, Serialize};
 
 /// Estimate of a velocity that wanders, from observations at any times; the same for each axis.

@@ -1,12 +1,10 @@
 //! The force field at one instant (Kim, Kim and Shin 2003b, section 2.2).
 
-use crate::space::solid::ConvexSolid;
-use crate::steering::config::SteeringConfig;
-use crate::steering::density_grid::DensityGrid;
 use crate::steering::far_field::{FarFieldBias, evasion_bias, oncoming};
 use crate::steering::keep_right::{between_walls, right_bias};
 use crate::steering::sight::{DirectionalSight, SeenNeighbour};
 use crate::{ForceField, Forces, Interest, Space};
+use crate::{space::solid::ConvexSolid, steering::config::SteeringConfig, steering::density_grid::DensityGrid};
 use throng_base::simd::vectorize;
 
 /// The agent that the forces act on.

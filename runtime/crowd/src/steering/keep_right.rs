@@ -1,9 +1,6 @@
 //! Between walls, agents keep to the right when a crowd comes.
 
-use crate::Space;
-use crate::space::solid::ConvexSolid;
-use crate::steering::config::SteeringConfig;
-use crate::steering::forces::SteeredAgent;
+use crate::{Space, space::solid::ConvexSolid, steering::config::SteeringConfig, steering::forces::SteeredAgent};
 
 /// Position of an agent between the walls beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]

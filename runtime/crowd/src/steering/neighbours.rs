@@ -1,10 +1,8 @@
 //! The neighbour query: agents registered near an agent, found once in each event, eight at a time.
 
-use crate::Space;
 use crate::space::batch::{Eight, VectorLanes, nth_vector, set_bits};
 use crate::space::cells::{CellGrid, PackedPlan};
-use crate::steering::forces::SteeredAgent;
-use crate::steering::sight::SeenNeighbour;
+use crate::{Space, steering::forces::SteeredAgent, steering::sight::SeenNeighbour};
 use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// About the time of the first contact: the agent that is nearest then is met early (s).

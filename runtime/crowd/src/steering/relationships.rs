@@ -1,7 +1,6 @@
 //! Relationships of single agents: places and agents that attract or repel them, and companions.
 
-use crate::error::Result;
-use crate::{Id, NONE, Space};
+use crate::{Id, NONE, Space, error::Result};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::error::check_value;

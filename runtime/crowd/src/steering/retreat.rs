@@ -1,8 +1,6 @@
 //! Stepping back where two crowds press against each other without progress.
 
-use crate::Space;
-use crate::steering::config::SteeringConfig;
-use crate::steering::density_grid::DensityGrid;
+use crate::{Space, steering::config::SteeringConfig, steering::density_grid::DensityGrid};
 
 /// Agents on a square and the next one from which on it is dense there.
 const JAM: f32 = 4.0;

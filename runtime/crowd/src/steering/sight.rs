@@ -1,11 +1,9 @@
 //! Looking ahead: how long each of several directions is free, which speed it allows, and which one to take.
 
-use crate::space::solid::ConvexSolid;
-use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::far_field::{FarFieldBias, FarFieldView, num_facing};
 use crate::steering::forces::{SteeredAgent, contact_horizon};
-use crate::{ForceField, Space};
+use crate::{ForceField, Space, space::solid::ConvexSolid, steering::config::SteeringConfig};
 
 /// Number of directions that are looked in.
 pub(crate) const DIRECTIONS: usize = 8;

@@ -4,18 +4,13 @@ use super::SceneAgents;
 use super::stage::{BodyActivity, CrowdStage};
 use super::things::{BodyGrasps, grasps};
 use super::troop::{SavedTroop, Troop};
-use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, check_snapshot};
-use crate::wander::random_skeletons;
+use crate::{compile::CompiledScene, wander::random_skeletons};
 use glam::{Vec2, Vec3Swizzles};
-use std::ops::Range;
-use std::sync::Arc;
-use throng_base::Result;
-use throng_base::maths;
-use throng_core::blend::ActivityId;
-use throng_core::body::ArmLayer;
+use std::{ops::Range, sync::Arc};
+use throng_base::{Result, maths};
 use throng_core::walkers::{Performance, PerformanceProgress, Walkers, WalkersConfig};
-use throng_core::{Mat3x4, NUM_JOINTS, Skeleton};
+use throng_core::{Mat3x4, NUM_JOINTS, Skeleton, blend::ActivityId, body::ArmLayer};
 use throng_crowd::{Id, Space};
 
 /// Cosine of the largest angle to the front at which gestures are shown.

@@ -1,8 +1,6 @@
 //! Layout of a scene's agents for the crowd: their starts, paths and goals.
 
-use super::message::NO_PATH_HELP;
-use super::places::start_positions;
-use super::route_map::RouteMap;
+use super::{message::NO_PATH_HELP, places::start_positions, route_map::RouteMap};
 use crate::scenario::{Scenario, hashed_chance};
 use crate::scene::{AtEndConfig, GoalConfig, GroupConfig, HappeningConfig, PlaceConfig, Scene, SiteConfig, to_point};
 use rand::{RngExt, SeedableRng};

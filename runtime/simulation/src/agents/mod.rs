@@ -13,22 +13,16 @@ pub(crate) mod troop;
 pub use layout::CrowdLayout;
 pub use things::HandlingCounts;
 
-use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, single_pose};
 use crate::scenario::{AgentBrains, BrainChange, ScenarioStage};
 use crate::scene::{GroupConfig, GroupMotion};
-use crate::{CharacterEvent, Order, SimulationEvent};
+use crate::{CharacterEvent, Order, SimulationEvent, compile::CompiledScene};
 use followers::Followers;
 use glam::{Quat, Vec2, Vec3};
 use stage::CrowdStage;
-use std::sync::Arc;
-use std::time::Instant;
-use throng_base::error::ensure;
-use throng_base::ground::ReservedRegion;
-use throng_base::maths;
-use throng_base::{Error, Executor, Result};
-use throng_core::walkers::Walkers;
-use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
+use std::{sync::Arc, time::Instant};
+use throng_base::{Error, Executor, Result, error::ensure, ground::ReservedRegion, maths};
+use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar, walkers::Walkers};
 use throng_crowd::{Crowd, CrowdError, CrowdEvent, CrowdEventKind, Id, Space};
 
 /// All agents of a scene: their crowd, paths, brains, and the bodies that follow them.

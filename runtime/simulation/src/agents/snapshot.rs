@@ -1,9 +1,7 @@
 //! Snapshots of all agents of a scene: their crowd, paths, brains and bodies.
 
-use super::SceneAgents;
-use super::stage::BodyActivity;
 use super::things::{HandlingCounts, ThingState, is_near};
-use super::troop::SavedTroop;
+use super::{SceneAgents, stage::BodyActivity, troop::SavedTroop};
 use crate::motion_kind::{check_snapshot, refused_snapshot, saved_bytes};
 use crate::scenario::{AgentBrains, GESTURES, ShownGesture};
 use serde::{Deserialize, Serialize};

@@ -5,12 +5,9 @@ use super::things::{Handler, Things};
 use crate::scenario::{Handling, ScenarioStage, ShownGesture, Signal, Stance, StanceError};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
-use std::sync::Arc;
-use std::time::Instant;
+use std::{ops::Range, sync::Arc, time::Instant};
 use throng_base::{Error, Result};
-use throng_core::blend::ActivityId;
-use throng_core::body::ArmLayer;
+use throng_core::{blend::ActivityId, body::ArmLayer};
 use throng_crowd::{
     AgentOrder, AtEnd, Crowd, CrowdError, CrowdEvent, CrowdEventKind, Id, InterestLocation, PersonalInterest, Route,
     RouteBegin, Sense, Space,

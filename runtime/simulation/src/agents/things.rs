@@ -1,19 +1,14 @@
 //! Things that agents take, carry and put down: where they are, in which hand, and what hands reach for meanwhile.
 
-use super::followers::Followers;
-use super::stage::BodyActivity;
+use super::{followers::Followers, stage::BodyActivity};
 use crate::scenario::{Handling, SIDES, StanceError};
 use crate::scene::{CarryStyle, ThingConfig};
 use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-use throng_base::error::ensure;
-use throng_base::maths;
+use throng_base::{error::ensure, maths};
 use throng_core::blend::{ActivityId, ActivitySet};
-use throng_core::body::ArmLayer;
-use throng_core::hits::FIST_PER_FOREARM;
-use throng_core::walkers::PerformanceProgress;
-use throng_core::{Joint, Planar, Skeleton};
+use throng_core::{Joint, Planar, Skeleton, body::ArmLayer, hits::FIST_PER_FOREARM, walkers::PerformanceProgress};
 
 /// Forearm and hand of each arm: both ends of the forearm.
 const ARMS: [[Joint; 2]; 2] = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];

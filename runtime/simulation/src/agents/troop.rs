@@ -3,13 +3,10 @@
 use crate::motion_kind::{PART, check_snapshot, refused_snapshot, saved_bytes};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
-use throng_base::maths;
 use throng_base::thresholds::{EYES_M, FACING_STANDS_MPS, WALKING_MPS};
-use throng_base::{Bytes, Error, Executor, Result, run_each};
-use throng_core::blend::ActivityId;
-use throng_core::body::ArmLayer;
+use throng_base::{Bytes, Error, Executor, Result, maths, run_each};
 use throng_core::walkers::{Control, Performance, WalkerStart, Walkers};
-use throng_core::{CharacterGroup, Planar, PosedBodies};
+use throng_core::{CharacterGroup, Planar, PosedBodies, blend::ActivityId, body::ArmLayer};
 use throng_crowd::{Crowd, Id};
 
 /// Half-life of the distance of a body from the place where it stands still, or from its disc when it returns (s).

@@ -5,13 +5,10 @@ use super::action_registry::{
 };
 use super::agent_brain::{ActionPhase, AgentBrain, EventContext, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, place_context};
-use super::blackboards::BlackboardNote;
-use super::courses::CourseBegin;
 use super::language::{Amount, SpotName};
-use super::perceive::AgentView;
-use super::slots::IN_LINE_M;
 use super::stage::{ScenarioStage, ShownGesture};
 use super::tables::{ActionClaim, CompiledAction, NONE, trigger};
+use super::{blackboards::BlackboardNote, courses::CourseBegin, perceive::AgentView, slots::IN_LINE_M};
 use glam::Vec3;
 use std::f32::consts::PI;
 use throng_base::{Result, maths};

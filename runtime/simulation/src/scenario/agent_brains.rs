@@ -4,16 +4,11 @@ use super::agent_brain::{AgentBrain, AgentEngagement, EventContext, Feeling, Lea
 use super::blackboards::Blackboards;
 use super::language::{Program, run_program};
 use super::perceive::{AgentView, hashed_chance};
-use super::reactions::MOST_ROUNDS;
-use super::services::ServiceRecord;
-use super::stage::ScenarioStage;
 use super::tables::{CompiledAction, GroupTable, NONE, Scenario};
-use super::turns::Turn;
+use super::{reactions::MOST_ROUNDS, services::ServiceRecord, stage::ScenarioStage, turns::Turn};
 use serde::{Deserialize, Serialize};
-use std::collections::VecDeque;
-use std::sync::Arc;
-use throng_base::Result;
-use throng_base::error::ensure;
+use std::{collections::VecDeque, sync::Arc};
+use throng_base::{Result, error::ensure};
 
 /// Time between two looks at the conditions of events (s).
 const LOOKS_S: f64 = 0.25;

@@ -1,10 +1,7 @@
 //! Courses: routes with an order, whose laps count, and from which agents may stray.
 
-use super::action_registry::ActionArguments;
 use super::agent_brain::{EventContext, NO_NUMBER};
-use super::agent_brains::AgentBrains;
-use super::stage::ScenarioStage;
-use super::tables::trigger;
+use super::{action_registry::ActionArguments, agent_brains::AgentBrains, stage::ScenarioStage, tables::trigger};
 use throng_base::Result;
 use throng_geometry::distance_to_segment;
 

@@ -1,11 +1,9 @@
 //! Expectations of a scene, measured while it runs.
 
 use super::agent_brain::{ActionPhase, EventContext};
-use super::agent_brains::AgentBrains;
 use super::language::{Program, run_program};
-use super::perceive::AgentView;
-use super::stage::ScenarioStage;
 use super::tables::{CompiledAction, LearningMode, NONE, Scenario};
+use super::{agent_brains::AgentBrains, perceive::AgentView, stage::ScenarioStage};
 use crate::scene::{ExpectConfig, ExpectedQuantity, ExpectedStatistic};
 use glam::{Vec2, Vec3};
 use serde::Serialize;

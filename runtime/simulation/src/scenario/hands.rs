@@ -1,10 +1,9 @@
 //! Taking things and putting them down: claims of agents on things, and stands from which they reach them.
 
-use super::action_registry::ActionArguments;
 use super::agent_brain::{ActionPhase, EventContext};
-use super::agent_brains::AgentBrains;
 use super::stage::{Handling, SIDES, ScenarioStage, StanceError};
 use super::tables::{ActionClaim, CompiledAction, NONE, trigger};
+use super::{action_registry::ActionArguments, agent_brains::AgentBrains};
 use glam::Vec3;
 use throng_base::Result;
 

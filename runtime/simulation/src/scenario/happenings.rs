@@ -3,10 +3,8 @@
 use super::action_registry::ActionArguments;
 use super::agent_brain::{ActionPhase, AgentBrain, AgentEngagement, EventContext, Feeling, LearntEvent, Occasion};
 use super::agent_brains::{AgentBrains, Signal, place_context};
-use super::blackboards::BlackboardNote;
-use super::perceive::hashed_chance;
-use super::stage::ScenarioStage;
 use super::tables::{LearningMode, NONE, Party, PlaceTable, Schedule, trigger};
+use super::{blackboards::BlackboardNote, perceive::hashed_chance, stage::ScenarioStage};
 use throng_base::Result;
 
 /// Most places that attract one agent at a time, in the order of the file.

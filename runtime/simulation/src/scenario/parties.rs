@@ -2,9 +2,8 @@
 
 use super::agent_brain::{ActionPhase, EventContext, Occasion};
 use super::agent_brains::{AgentBrains, Stimulus};
-use super::stage::ScenarioStage;
 use super::tables::{EdgeTable, NONE, trigger};
-use super::turns::TurnKind;
+use super::{stage::ScenarioStage, turns::TurnKind};
 use glam::Vec3;
 use throng_base::Result;
 

@@ -1,10 +1,9 @@
 //! Perception of an agent while an expression is evaluated.
 
 use super::agent_brain::{EventContext, NO_NUMBER};
-use super::agent_brains::AgentBrains;
 use super::language::{Attribute, EventAttribute, Load, Perception, PlaceAttribute, SpotName, Subject};
-use super::stage::ScenarioStage;
 use super::tables::{NONE, Party};
+use super::{agent_brains::AgentBrains, stage::ScenarioStage};
 use glam::Vec3;
 
 /// View of an agent in the context of an event.

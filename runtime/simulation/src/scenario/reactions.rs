@@ -2,12 +2,9 @@
 
 use super::agent_brain::{ActionPhase, ActionReason, EventContext, Feeling, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, Stimulus};
-use super::happenings::RETRY_S;
-use super::stage::ScenarioStage;
 use super::tables::{EdgeTable, NONE, trigger};
-use super::turns::TurnKind;
-use throng_base::error::ensure;
-use throng_base::{Error, Result};
+use super::{happenings::RETRY_S, stage::ScenarioStage, turns::TurnKind};
+use throng_base::{Error, Result, error::ensure};
 
 /// Most stimuli of one agent at one time; more are taken to run in a circle.
 const MOST_AT_ONCE: u32 = 100;

@@ -2,9 +2,8 @@
 
 use super::agent_brain::{ActionPhase, EventContext, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, place_context};
-use super::language::Program;
-use super::stage::ScenarioStage;
 use super::tables::{ActionClaim, CompiledAction, NONE, Scenario, trigger};
+use super::{language::Program, stage::ScenarioStage};
 use crate::scene::{LineChoice, TimeDistribution};
 use serde::{Deserialize, Serialize};
 use throng_base::Result;

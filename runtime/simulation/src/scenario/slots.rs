@@ -1,10 +1,8 @@
 //! Slots of places: agents claim them, move up in queues, and go on where one becomes free.
 
 use super::action_commands::{JOIN_M, SLOT_M};
-use super::agent_brain::ActionPhase;
-use super::agent_brains::AgentBrains;
-use super::stage::ScenarioStage;
 use super::tables::{ActionClaim, CompiledAction, NONE};
+use super::{agent_brain::ActionPhase, agent_brains::AgentBrains, stage::ScenarioStage};
 use glam::Vec3;
 use throng_base::Result;
 

@@ -1,13 +1,10 @@
 //! Checks of the values of a scene file.
 
-use super::goal::GoalConfig;
 use super::group::{GroupConfig, GroupMotion, InhabitantGoalConfig};
-use super::place::PlaceConfig;
-use super::{Scene, SpaceConfig};
+use super::{Scene, SpaceConfig, goal::GoalConfig, place::PlaceConfig};
 use std::fmt::Display;
-use throng_base::Result as Checked;
 use throng_base::limits::{self, Limit};
-use throng_base::text::TomlSource;
+use throng_base::{Result as Checked, text::TomlSource};
 use toml::de::DeValue;
 
 /// Fault of a scene file: a key, and a description of what is wrong with its value.

@@ -1,8 +1,6 @@
 //! Environment of a scene, and settings of agents.
 
-use super::obstacle::ObstacleConfig;
-use super::story::DoorConfig;
-use super::to_point;
+use super::{obstacle::ObstacleConfig, story::DoorConfig, to_point};
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;

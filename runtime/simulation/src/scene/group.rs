@@ -1,8 +1,7 @@
 //! Groups of characters or agents: number, motion, starts and goals.
 
 use super::goal::{AtEndConfig, GoalConfig, scale_points};
-use super::place::PlaceConfig;
-use super::story::SourceConfig;
+use super::{place::PlaceConfig, story::SourceConfig};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use throng_base::thresholds::{AGENT_RADIUS_M, WALK_SPEED_MPS};

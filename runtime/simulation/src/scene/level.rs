@@ -2,8 +2,7 @@
 
 use super::{GoalConfig, ObstacleConfig, Scene, SiteConfig, SpaceConfig, WallConfig};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
-use std::path::PathBuf;
+use std::{collections::HashMap, path::PathBuf};
 use throng_base::Result;
 use throng_level::Level;
 

@@ -35,10 +35,7 @@ pub use story::{
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
-use throng_base::error::ensure;
-use throng_base::maths;
-use throng_base::text::TomlSource;
-use throng_base::{Error, Result};
+use throng_base::{Error, Result, error::ensure, maths, text::TomlSource};
 
 /// Contents of a scene file. Lengths are in metres, times in seconds. A new field changes the hash of the setup: `content` prints
 /// all but names and paths.

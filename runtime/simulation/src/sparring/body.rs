@@ -2,12 +2,9 @@
 
 use super::config::check_within;
 use glam::{Vec2, Vec3};
-use throng_base::Result;
-use throng_base::maths;
-use throng_core::BodyVolume;
-use throng_core::body::Mat3x4;
-use throng_core::planar::Planar;
+use throng_base::{Result, maths};
 use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{BodyVolume, body::Mat3x4, planar::Planar};
 use throng_geometry::Capsule;
 
 /// Struck part of a body.

@@ -3,10 +3,9 @@
 use super::body::{SparringBody, StruckPart, WorldPose};
 use super::config::{NO_THREAT_S, SparringConfig};
 use super::landing::{BlowLanding, find_struck_capsule};
-use super::pair::OpponentPair;
 use super::snapshot::{self, boxers_group_methods, boxers_methods};
-use super::stagger::StepsAway;
 use super::tally::{BlowOutcome, BlowTally};
+use super::{pair::OpponentPair, stagger::StepsAway};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::{Error, Executor, Id, Result, SnapshotKind, maths, run_each};

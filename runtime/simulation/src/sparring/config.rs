@@ -1,10 +1,8 @@
 //! Settings of sparring.
 
 use super::body::BodyShape;
-use throng_base::error::check_value;
-use throng_base::{Hash128, Result};
-use throng_core::body::TouchConfig;
-use throng_core::characters::CharactersConfig;
+use throng_base::{Hash128, Result, error::check_value};
+use throng_core::{body::TouchConfig, characters::CharactersConfig};
 
 /// Time until the next blow where no blow is coming (s).
 pub const NO_THREAT_S: f32 = 1e3;

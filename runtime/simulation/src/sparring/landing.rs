@@ -2,10 +2,8 @@
 
 use super::body::{NUM_CAPSULES, SparringBody, StruckPart, WorldPose};
 use super::config::SparringConfig;
-use throng_base::Id;
-use throng_base::thresholds::FIST_REACH_M;
-use throng_core::characters::Blow;
-use throng_core::skeleton::Joint;
+use throng_base::{Id, thresholds::FIST_REACH_M};
+use throng_core::{characters::Blow, skeleton::Joint};
 use throng_geometry::nearest_points;
 
 /// Blow that met the opponent's body.

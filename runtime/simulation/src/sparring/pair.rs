@@ -5,8 +5,7 @@ use super::config::SeparationConfig;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
-use throng_core::BodyVolume;
-use throng_core::contacts::Contacts;
+use throng_core::{BodyVolume, contacts::Contacts};
 
 /// Time constant of the speed of separation (s).
 const ADAPT_S: f32 = 0.15;

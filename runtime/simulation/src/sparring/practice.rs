@@ -6,8 +6,7 @@ use super::tally::{BlowOutcome, BlowTally};
 use super::target::{StruckTarget, TargetConfig};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::error::check_value;
-use throng_base::{Executor, Hash128, Id, Result, SnapshotKind};
+use throng_base::{Executor, Hash128, Id, Result, SnapshotKind, error::check_value};
 use throng_core::characters::{Blow, Characters, CharactersConfig, MAX_BLOWS, PolicyCharacters, PolicyOrder, Spawn};
 use throng_core::{AdoptReport, Bundle, CharacterGroup, OrderStatus, Planar, PosedBodies};
 

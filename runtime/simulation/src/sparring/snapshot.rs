@@ -1,15 +1,11 @@
 //! Snapshots of striking characters and of the state beside them.
 
-use super::pair::OpponentPair;
-use super::tally::BlowTally;
-use super::target::StruckTarget;
-use super::{bout, practice};
+use super::{bout, pair::OpponentPair, practice, tally::BlowTally, target::StruckTarget};
 use crate::motion_kind::check_snapshot;
 use glam::Vec3;
 use serde::{Serialize, de::DeserializeOwned};
 use throng_base::{Bytes, Result, SnapshotKind};
-use throng_core::CharacterGroup;
-use throng_core::characters::PolicyCharacters;
+use throng_core::{CharacterGroup, characters::PolicyCharacters};
 
 /// State that the next steps depend on, beside the characters.
 pub(super) trait SavedState: Serialize + DeserializeOwned {

@@ -3,8 +3,7 @@
 use super::config::check_within;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::Result;
-use throng_base::maths;
+use throng_base::{Result, maths};
 
 /// Settings of a struck target.
 #[derive(Clone, Copy, Debug, PartialEq)]

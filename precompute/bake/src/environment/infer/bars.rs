@@ -1,8 +1,6 @@
 //! Bars inferred from places that hands held.
 
-use super::super::UnitShape;
-use super::InferredPiece;
-use super::places::InferredTouch;
+use super::{super::UnitShape, InferredPiece, places::InferredTouch};
 use glam::Vec3;
 use throng_geometry::BoundingBox;
 

@@ -1,8 +1,7 @@
 //! Level plates inferred under feet and seats.
 
-use super::super::UnitShape;
 use super::places::{InferredTouch, TouchKind};
-use super::{InferredPiece, round_to_mm};
+use super::{super::UnitShape, InferredPiece, round_to_mm};
 use throng_geometry::BoundingBox;
 
 /// Largest height that counts as the ground (m).

@@ -1,10 +1,9 @@
 //! How well inferred geometry explains the motion it was inferred from.
 
 use super::super::{GeometryTouchConfig, PlacedGeometry};
-use super::bars::InferredBar;
 use super::places::{InferredTouch, TouchKind};
 use super::plates::{InferredPlate, ON_GROUND};
-use super::visit_poses;
+use super::{bars::InferredBar, visit_poses};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use throng_core::{Contacts, Skeleton};

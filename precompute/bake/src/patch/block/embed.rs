@@ -1,9 +1,8 @@
 //! Cells and links of a block (Lee, Choi and Lee 2006, section 4).
 
 use super::BlockSegment;
-use crate::cluster::PoseGroups;
-use crate::patch::track::PatchTrack;
 use crate::patch::{PatchConfig, PatchInputs, inner_cell};
+use crate::{cluster::PoseGroups, patch::track::PatchTrack};
 use std::collections::{BTreeMap, BTreeSet};
 use throng_core::patch::{CellRecord, LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;

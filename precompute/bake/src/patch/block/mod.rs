@@ -3,8 +3,7 @@
 mod embed;
 mod shape;
 
-use super::track::PatchTrack;
-use super::{PatchInputs, PatchReport, RawPatch, is_ground};
+use super::{PatchInputs, PatchReport, RawPatch, is_ground, track::PatchTrack};
 use crate::environment::PlacedUnit;
 use rayon::prelude::*;
 use shape::BlockShape;

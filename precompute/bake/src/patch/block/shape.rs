@@ -2,8 +2,7 @@
 
 use crate::environment::{PlacedUnit, UnitSet};
 use std::f32::consts::TAU;
-use throng_core::patch::Placement;
-use throng_core::planar::wrap_angle;
+use throng_core::{patch::Placement, planar::wrap_angle};
 
 /// Largest distance of units in the same place (m).
 const PLACE_M: f32 = 0.05;

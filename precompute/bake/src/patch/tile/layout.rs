@@ -1,13 +1,11 @@
 //! Spots at which links of a tile may begin and end: entries and exits on its edges, rest inside.
 
 use super::{TileOutline, TileVocabulary, lateral};
-use crate::environment::TileEdges;
-use crate::patch::TileConfig;
+use crate::{environment::TileEdges, patch::TileConfig};
 use glam::Vec2;
 use std::collections::BTreeMap;
 use std::f32::consts::{PI, TAU};
-use throng_core::Planar;
-use throng_core::patch::NONE;
+use throng_core::{Planar, patch::NONE};
 
 /// Purpose of a spot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

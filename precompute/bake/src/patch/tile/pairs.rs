@@ -5,13 +5,11 @@
 //! placement of the capture.
 
 use super::{TileLayout, TileOutline, TileSource, TileSpot};
-use crate::patch::config::star_text;
-use crate::patch::track::is_slow;
 use crate::patch::{PairReport, PatchInputs, TileConfig};
+use crate::{patch::config::star_text, patch::track::is_slow};
 use glam::Vec2;
-use throng_core::Planar;
 use throng_core::patch::{LinkRecord, NONE, Placement};
-use throng_core::planar::wrap_angle;
+use throng_core::{Planar, planar::wrap_angle};
 use throng_motion::{BuildError, ExclusionReason, FrameRange, Result};
 
 /// Longest time from standing still to the beginning of the tagged range, and from its end to standing still (s).

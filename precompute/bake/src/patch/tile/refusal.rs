@@ -1,9 +1,7 @@
 //! Reasons why a tile cannot be made, and the way out.
 
 use super::{PatchInputs, TileCell, TileConfig, TileGraph, TileLayout, TileOutline, TileSource, UnprunedTile};
-use crate::environment::UnitObject;
-use crate::patch::is_ground;
-use crate::stages::stage_error;
+use crate::{environment::UnitObject, patch::is_ground, stages::stage_error};
 use throng_motion::error::BuildError;
 
 /// Error for a missing unit.

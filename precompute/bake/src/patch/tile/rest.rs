@@ -2,11 +2,9 @@
 
 use super::{BestCandidates, LinkCandidate, SpotKind, TileLayout, TileSearch};
 use crate::patch::track::PatchTrack;
-use std::collections::BTreeMap;
-use std::f32::consts::TAU;
-use throng_core::Planar;
+use std::{collections::BTreeMap, f32::consts::TAU};
 use throng_core::patch::{LinkRecord, Placement};
-use throng_core::planar::wrap_angle;
+use throng_core::{Planar, planar::wrap_angle};
 use throng_motion::clip::FrameRange;
 
 /// Largest shift of the end of standing or turning (m).

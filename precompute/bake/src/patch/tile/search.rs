@@ -2,13 +2,11 @@
 //! and Lee 2006, section 6).
 
 use super::{SpotKind, TileLayout, TileOutline, TileSource, crosses_itself};
-use crate::patch::TileConfig;
-use crate::patch::track::PatchTrack;
+use crate::{patch::TileConfig, patch::track::PatchTrack};
 use glam::Vec2;
 use std::collections::BTreeMap;
-use throng_core::Planar;
 use throng_core::patch::{LinkRecord, Placement};
-use throng_core::planar::wrap_angle;
+use throng_core::{Planar, planar::wrap_angle};
 
 /// Longest link (s).
 const MAX_SECONDS: f32 = 12.0;

@@ -1,8 +1,7 @@
 //! Pose groups in which characters enter, leave and rest.
 
 use super::{TileOutline, TileSource, edge_height};
-use crate::cluster::PoseGroups;
-use crate::patch::TileConfig;
+use crate::{cluster::PoseGroups, patch::TileConfig};
 use glam::Vec2;
 use std::collections::{BTreeMap, BTreeSet};
 use throng_base::thresholds::WALKING_MPS;

@@ -1,11 +1,9 @@
 //! Loss of an adaptive policy, compared with uniform grids of equal size.
 
 use super::super::behaviour::{BehaviourSpec, PolicyBehaviour};
-use super::super::compare::random_target;
 use super::super::model::{ActionModel, SegmentMotion};
 use super::super::solve::{PolicySolver, Solution};
-use super::fit::GridShapes;
-use super::{bytes_per_cell, solution_bytes, with_shapes};
+use super::{super::compare::random_target, bytes_per_cell, fit::GridShapes, solution_bytes, with_shapes};
 use glam::Vec3;
 use rand::RngExt;
 use rand_pcg::Pcg64;

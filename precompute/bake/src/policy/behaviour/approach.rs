@@ -1,9 +1,7 @@
 //! Moving to a target and staying there.
 
 use super::super::config::{CentreConfig, KernelConfig, PolicyBehaviourConfig, RewardForm};
-use super::super::model::SegmentMotion;
-use super::throw_punches::SCALE;
-use super::{BehaviourSpec, BendLimit, PolicyBehaviour};
+use super::{super::model::SegmentMotion, BehaviourSpec, BendLimit, PolicyBehaviour, throw_punches::SCALE};
 use glam::Vec2;
 use throng_core::Planar;
 use throng_core::policy::{RegionRecord, SegmentRecord};

@@ -5,15 +5,12 @@
 //! are the axes of a space-time grid.
 
 use super::super::config::{KernelConfig, PolicyBehaviourConfig, RewardForm};
-use super::super::model::SegmentMotion;
-use super::{BehaviourSpec, PolicyBehaviour, joint_named};
-use crate::graph::RawMotionGraph;
+use super::{super::model::SegmentMotion, BehaviourSpec, PolicyBehaviour, joint_named};
 use crate::share::{clip_owners, sort_by_owner};
-use crate::stages::stage_error;
+use crate::{graph::RawMotionGraph, stages::stage_error};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::Comm;
-use throng_base::maths::quantile;
+use throng_base::{Comm, maths::quantile};
 use throng_core::Joint;
 use throng_core::policy::{PATH_POINTS, PathRecord, RegionRecord, Reward, RewardRecord, SegmentRecord};
 use throng_motion::{BuildError, ClipSet, Result};

@@ -1,10 +1,8 @@
 //! Effective hits on a target in space: punches, kicks, and tagged kinds (Lee and Lee 2004, equations 2 and 6).
 
 use super::super::config::{BehaviourKind, KernelConfig, PolicyBehaviourConfig, RewardForm};
-use super::super::model::SegmentMotion;
-use super::{BehaviourSpec, PolicyBehaviour, joint_named};
-use crate::graph::RawMotionGraph;
-use crate::stages::stage_error;
+use super::{super::model::SegmentMotion, BehaviourSpec, PolicyBehaviour, joint_named};
+use crate::{graph::RawMotionGraph, stages::stage_error};
 use glam::Vec3;
 use throng_core::Joint;
 use throng_core::policy::{RegionRecord, SegmentRecord, TargetGrid};

@@ -1,7 +1,6 @@
 //! Settings of a behaviour.
 
-use super::super::behaviour::ActionCosts;
-use super::{CentreConfig, CostsConfig, GridConfig, RegionConfig};
+use super::{super::behaviour::ActionCosts, CentreConfig, CostsConfig, GridConfig, RegionConfig};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::policy::{

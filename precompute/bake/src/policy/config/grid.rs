@@ -1,12 +1,10 @@
 //! Settings of the cells of a behaviour's target.
 
-use super::AdaptiveConfig;
-use super::region::ANGLE_TOLERANCE;
+use super::{AdaptiveConfig, region::ANGLE_TOLERANCE};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::f32::consts::PI;
-use std::f64::consts;
+use std::{f32::consts::PI, f64::consts};
 use throng_core::Error;
 use throng_core::policy::{MAX_AXIS, TargetGrid};
 use throng_motion::error::{BuildError, Result};

@@ -2,13 +2,10 @@
 
 use super::field::{DistanceField, FieldAnswer};
 use crate::environment::{BodySpheres, NUM_SPHERES, Sphere};
-use crate::stitch::library::Library;
-use crate::stitch::sets::rows::set_bits;
+use crate::{stitch::library::Library, stitch::sets::rows::set_bits};
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
-use throng_core::format::FrameRow;
-use throng_core::patch::Placement;
-use throng_core::{Contacts, Joint};
+use throng_core::{Contacts, Joint, format::FrameRow, patch::Placement};
 use throng_geometry::BoundingBox;
 use throng_motion::clip::joint_transforms;
 

@@ -1,8 +1,6 @@
 //! Stored results of collision sampling, so that few samples are repeated when a unit is moved a little.
 
-use super::bodies::BodyPoint;
-use super::collision_span::CollisionSpans;
-use super::sampler::LinkSamples;
+use super::{bodies::BodyPoint, collision_span::CollisionSpans, sampler::LinkSamples};
 
 /// Clearance by place alone above which bodies are not sampled: a smaller one saves samples, but leaves clearances less
 /// exact, so that bodies are sampled again after shorter moves (m).

@@ -1,18 +1,15 @@
 //! Parts of a patch's motion that a unit obstructs, for every relative placement of the unit.
 
-use super::bodies::FrameBodies;
 use super::collision_span::{CollisionSpan, STRIDE, find_span};
-use super::field::DistanceField;
 use super::link_clearance::{EarlierMask, LinkClearance, ObstacleMask};
 use super::sampler::{CollisionSampler, LinkSamples};
-use super::swept::SweptSquares;
+use super::{bodies::FrameBodies, field::DistanceField, swept::SweptSquares};
 use crate::stitch::place::paths::LinkRoots;
 use crate::stitch::sets::rows::{num_words, set_bit};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
-use throng_core::patch::Placement;
-use throng_core::planar::wrap_angle;
+use throng_core::{patch::Placement, planar::wrap_angle};
 use throng_geometry::BoundingBox;
 
 /// A unit as an obstacle to a patch's motion.

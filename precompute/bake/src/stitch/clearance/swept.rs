@@ -1,11 +1,8 @@
 //! Ground swept by the bodies of a patch's links, as bits: most links pass beside a unit, and need no sampling of
 //! frames.
 
-use super::bodies::FrameBodies;
-use super::collision_span::nearest_sampled;
-use super::field::DistanceField;
-use crate::stitch::place::paths::LinkRoots;
-use crate::stitch::sets::rows::set_bits;
+use super::{bodies::FrameBodies, collision_span::nearest_sampled, field::DistanceField};
+use crate::{stitch::place::paths::LinkRoots, stitch::sets::rows::set_bits};
 use rayon::prelude::*;
 use throng_core::patch::Placement;
 use throng_geometry::BoundingBox;

@@ -1,13 +1,8 @@
 //! Writes the remaining world: bits of cells in the component, and the tables it needs.
 
-use super::component_cells::ComponentCells;
-use super::joined::JoinedGraph;
-use super::remains::WorldRemains;
-use crate::environment::Environment;
-use crate::stitch::place::place_patches::PlacedPatches;
-use crate::stitch::place::relation::RelativePlacement;
-use crate::stitch::report::StitchReport;
-use crate::stitch::sets::rows::WordPool;
+use super::{component_cells::ComponentCells, joined::JoinedGraph, remains::WorldRemains};
+use crate::{environment::Environment, stitch::report::StitchReport, stitch::sets::rows::WordPool};
+use crate::{stitch::place::place_patches::PlacedPatches, stitch::place::relation::RelativePlacement};
 use std::collections::{BTreeMap, HashMap};
 use throng_core::patch::NONE;
 use throng_world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData};

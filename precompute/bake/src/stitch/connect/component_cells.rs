@@ -2,8 +2,7 @@
 
 use super::joined::JoinedGraph;
 use super::reach::{ReachSearch, ReachedNodes, SearchDirection};
-use crate::components::largest;
-use crate::stitch::sets::rows::set_bits;
+use crate::{components::largest, stitch::sets::rows::set_bits};
 
 /// Membership of a cell in the component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

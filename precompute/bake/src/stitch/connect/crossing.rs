@@ -1,12 +1,9 @@
 //! Usable joints between two instances, as sets of cells, which a search over a world follows.
 
-use super::outcome::InstanceOutcome;
-use super::situation::PatchSituation;
-use super::table::JointTable;
+use super::{outcome::InstanceOutcome, situation::PatchSituation, table::JointTable};
 use crate::stitch::clearance::collision_span::CollisionSpan;
-use crate::stitch::place::relation::RelativePlacement;
-use crate::stitch::sets::numbers::IdentityArc;
 use crate::stitch::sets::rows::{BitRows, num_words, set_bit};
+use crate::{stitch::place::relation::RelativePlacement, stitch::sets::numbers::IdentityArc};
 use std::sync::Arc;
 use throng_core::patch::{LinkRecord, NONE, PatchTables};
 use throng_world::is_set;

@@ -1,8 +1,7 @@
 //! Graph of a whole world: cells of instances, connected by links, by joints and across the edges of tiles. An instance
 //! stores only bits; edges are looked up in its patch and in tables.
 
-use super::crossing::CrossingJoints;
-use super::situation::PatchSituation;
+use super::{crossing::CrossingJoints, situation::PatchSituation};
 use crate::components::SuccessorGraph;
 use crate::stitch::sets::rows::{num_words, set_bit};
 use std::sync::Arc;

@@ -1,10 +1,8 @@
 //! Remaining motion of an instance: shared by all in the same situation with the same cells removed.
 
-use super::component_cells::ComponentMembership;
-use super::situation::PatchSituation;
-use crate::stitch::report::RemovalReason;
-use crate::stitch::sets::numbers::IdentityArc;
+use super::{component_cells::ComponentMembership, situation::PatchSituation};
 use crate::stitch::sets::rows::{num_words, set_bit};
+use crate::{stitch::report::RemovalReason, stitch::sets::numbers::IdentityArc};
 use std::hash::{Hash, Hasher};
 use throng_core::patch::{CellRecord, PatchTables};
 use throng_world::is_set;

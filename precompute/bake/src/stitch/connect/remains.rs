@@ -1,17 +1,14 @@
 //! Remaining motion of a world's instances and pairs: recomputed only where a change matters.
 
-use super::component_cells::ComponentCells;
 use super::crossing::{PairState, RemainingJoints};
-use super::joined::JoinedGraph;
 use super::outcome::{InstanceOutcome, InstanceState, WorldCounts, cell_reason, is_end, link_reason};
 use super::prepare::{StitchCache, make_missing};
+use super::{component_cells::ComponentCells, joined::JoinedGraph};
 use crate::stitch::place::place_patches::PlacedPatches;
-use crate::stitch::place::relation::RelativePlacement;
-use crate::stitch::report::RemovalReason;
 use crate::stitch::sets::numbers::{IdentityArc, SharedNumbers};
+use crate::{stitch::place::relation::RelativePlacement, stitch::report::RemovalReason};
 use rayon::prelude::*;
-use std::collections::HashMap;
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 use throng_core::patch::NONE;
 use throng_world::is_set;
 

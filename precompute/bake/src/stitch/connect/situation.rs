@@ -1,9 +1,8 @@
 //! Unobstructed motion of a patch among the units around it: shared by all instances with equal surroundings.
 
 use super::table::JointTable;
-use crate::stitch::clearance::collision_span::CollisionSpan;
-use crate::stitch::place::relation::RelativePlacement;
 use crate::stitch::sets::rows::{BitRows, all_set, clear_bit};
+use crate::{stitch::clearance::collision_span::CollisionSpan, stitch::place::relation::RelativePlacement};
 use throng_core::patch::{NONE, PatchTables};
 use throng_world::is_set;
 

@@ -1,9 +1,8 @@
 //! Joint tables: places at which motion of one patch may continue as motion of another in a given relative placement
 //! (Lee, Choi and Lee 2006, section 5).
 
-use crate::stitch::config::StitchConfig;
 use crate::stitch::place::paths::{JoinSpots, JoinTolerance};
-use crate::stitch::place::relation::RelativePlacement;
+use crate::{stitch::config::StitchConfig, stitch::place::relation::RelativePlacement};
 use rayon::prelude::*;
 use throng_core::patch::{PatchTables, Placement};
 use throng_geometry::BoundingBox;

@@ -3,12 +3,9 @@
 use super::history::{EnvironmentEdit, WorldEditHistory};
 use super::make::make_world;
 use crate::environment::{Environment, PlacedUnit};
-use crate::stitch::config::StitchConfig;
-use crate::stitch::connect::assemble::StitchResult;
-use crate::stitch::connect::prepare::Stitcher;
 use crate::stitch::library::{Library, refusal_error};
-use crate::stitch::place::place_patches::Placer;
-use crate::stitch::report::StitchReport;
+use crate::{stitch::config::StitchConfig, stitch::connect::prepare::Stitcher, stitch::report::StitchReport};
+use crate::{stitch::connect::assemble::StitchResult, stitch::place::place_patches::Placer};
 use throng_core::patch::{PatchTables, Placement};
 use throng_motion::error::{Result, ensure};
 use throng_motion::progress::{Progress, Silent};

@@ -2,8 +2,7 @@
 
 use super::editor::Editor;
 use crate::stitch::clearance::collision_span::nearest_sampled;
-use crate::stitch::connect::remains::JudgedGraph;
-use crate::stitch::report::RemovalReason;
+use crate::{stitch::connect::remains::JudgedGraph, stitch::report::RemovalReason};
 use throng_core::Joint;
 
 /// A part of an instance.

@@ -1,24 +1,19 @@
 //! Stitching from the first step to the last.
 
 use crate::environment::{Environment, UnitSolid};
-use crate::stages::stage_error;
-use crate::stitch::clearance::field::DistanceField;
-use crate::stitch::config::StitchConfig;
-use crate::stitch::connect::allow::build_joined_graph;
 use crate::stitch::connect::assemble::{StitchResult, write_world};
 use crate::stitch::connect::component_cells::{ComponentMembership, find_component};
-use crate::stitch::connect::outcome::WorldCounts;
-use crate::stitch::connect::prepare::Stitcher;
 use crate::stitch::connect::remains::{JudgedGraph, find_remains};
 use crate::stitch::library::{Library, STAGE, refusal_error};
-use crate::stitch::place::place_patches::PlacedPatches;
 use crate::stitch::report::{RemovalReason, StitchReport};
+use crate::{stages::stage_error, stitch::config::StitchConfig, stitch::connect::prepare::Stitcher};
+use crate::{stitch::clearance::field::DistanceField, stitch::connect::outcome::WorldCounts};
+use crate::{stitch::connect::allow::build_joined_graph, stitch::place::place_patches::PlacedPatches};
 use serde::Serialize;
 use std::time::Instant;
 use throng_core::base::Hash128;
 use throng_motion::error::{BuildError, Result};
-use throng_motion::memory;
-use throng_motion::progress::Progress;
+use throng_motion::{memory, progress::Progress};
 use throng_world::{WorldData, WorldMeta};
 
 /// Stitching, in reading order.

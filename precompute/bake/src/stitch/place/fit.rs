@@ -1,7 +1,6 @@
 //! Fits patches into an environment by matching their units (Lee, Choi and Lee 2006, section 5).
 
-use super::place_patches::Placer;
-use super::relation::RelativePlacement;
+use super::{place_patches::Placer, relation::RelativePlacement};
 use crate::environment::{Environment, PlacedUnit};
 use crate::stitch::library::{normalised, turn_difference};
 use std::collections::{HashMap, HashSet};

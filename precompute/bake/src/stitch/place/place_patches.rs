@@ -1,12 +1,10 @@
 //! Places patches in an environment, and finds overlaps and obstacles.
 
 use super::fit::{FittedPatch, UnitIndex};
-use super::near::overlapping_pairs;
-use super::relation::RelativePlacement;
+use super::{near::overlapping_pairs, relation::RelativePlacement};
 use crate::environment::{Environment, PlacedUnit};
-use crate::stages::stage_error;
-use crate::stitch::config::StitchConfig;
 use crate::stitch::library::{Library, STAGE, UnitPattern, refusal_error};
+use crate::{stages::stage_error, stitch::config::StitchConfig};
 use throng_core::patch::PatchTables;
 use throng_geometry::BoundingBox;
 use throng_motion::error::{BuildError, Result};

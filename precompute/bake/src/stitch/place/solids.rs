@@ -1,7 +1,6 @@
 //! Overlapping units, which make an environment invalid.
 
-use super::near::overlapping_pairs;
-use super::place_patches::Placer;
+use super::{near::overlapping_pairs, place_patches::Placer};
 use crate::environment::{Environment, UnitObject, UnitShape};
 use crate::stitch::library::{Library, refusal_error, turn_difference};
 use glam::{Quat, Vec3};

@@ -1,8 +1,7 @@
 //! Numbering of shared values, which are found without comparing their inputs.
 
-use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
 /// Numbers of shared values, in the order of first use.
 pub(in crate::stitch) struct SharedNumbers<T> {

@@ -5,8 +5,7 @@ use crate::annotate::contacts::speeds;
 use crate::clip::{Clip, FrameRange, runs_where};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_base::maths::quantile;
-use throng_core::skeleton::ARMS;
-use throng_core::{Joint, Skeleton};
+use throng_core::{Joint, Skeleton, skeleton::ARMS};
 
 /// Half of the time over which the speed of the hips is measured: about a step in all (s).
 const STEP_S: f64 = 0.3;

@@ -2,9 +2,8 @@
 
 use super::track::{Poses, tip, velocity};
 use super::{MIN_SPEED, hit_at};
-use crate::annotate::sidecar::SidecarPlace;
 use crate::clip::{Clip, ClipHit, FrameRange, HitKind};
-use crate::error::Result;
+use crate::{annotate::sidecar::SidecarPlace, error::Result};
 use throng_core::{Joint, Skeleton};
 
 /// A hit that a sidecar marks, in the clip's frames.

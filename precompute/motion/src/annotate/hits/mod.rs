@@ -26,8 +26,7 @@ use peaks::{ExtensionRun, SpeedPeak};
 pub use point::{HitPoint, write_csv};
 pub use report::HitReport;
 use std::collections::BTreeMap;
-use throng_core::skeleton::ARMS;
-use throng_core::{Contacts, Joint, Skeleton};
+use throng_core::{Contacts, Joint, Skeleton, skeleton::ARMS};
 use track::{LimbTrack, Poses, STRIKING_LEGS, StrikingLimb};
 
 /// Least duration of a blow; shorter ones are faults of the recording: a joint that jumps from one frame to the next (s).

@@ -2,8 +2,7 @@
 
 use crate::clip::Clip;
 use glam::{Quat, Vec3};
-use throng_core::hits::striking_point;
-use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, NUM_JOINTS, Skeleton, hits::striking_point};
 
 /// Speeds are differences over at least this time on either side, so that thresholds mean the same at any rate.
 /// (s)

@@ -8,8 +8,7 @@
 mod figure;
 pub(crate) mod parts;
 
-use super::scratch::TrackScratch;
-use super::take::Take;
+use super::{scratch::TrackScratch, take::Take};
 use crate::error::{BuildError, Result};
 pub(crate) use figure::animate_actors;
 use parts::GlbParts;

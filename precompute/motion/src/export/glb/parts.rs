@@ -1,7 +1,6 @@
 //! A glTF document that is put together, and what its one buffer holds.
 
-use super::super::scratch::TrackScratch;
-use super::super::take::Take;
+use super::{super::scratch::TrackScratch, super::take::Take};
 use bytemuck::Pod;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

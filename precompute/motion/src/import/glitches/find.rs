@@ -3,11 +3,9 @@
 use super::signal::{Deviation, TrackValue, sharp_moves, spikes, steps};
 use super::{Glitch, GlitchKind, GlitchTreatment};
 use crate::clip::{FrameRange, runs_where};
-use crate::import::roles::RoleMap;
-use crate::raw::RawClip;
+use crate::{import::roles::RoleMap, raw::RawClip};
 use glam::{Quat, Vec3};
-use throng_base::maths;
-use throng_base::thresholds::JOINT_MOVES_MPS;
+use throng_base::{maths, thresholds::JOINT_MOVES_MPS};
 use throng_core::Joint;
 
 /// Time within which a departure that comes back is a fault (s).

@@ -8,9 +8,7 @@ mod find;
 mod signal;
 
 use super::roles::RoleMap;
-use crate::clip::FrameRange;
-use crate::error::Warnings;
-use crate::raw::RawClip;
+use crate::{clip::FrameRange, error::Warnings, raw::RawClip};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;

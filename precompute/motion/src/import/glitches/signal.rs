@@ -1,8 +1,7 @@
 //! Tracks of positions and rotations, and the distance of a value from its path.
 
 use glam::{Quat, Vec3};
-use throng_base::maths;
-use throng_base::maths::quantile;
+use throng_base::{maths, maths::quantile};
 
 /// A position or a rotation.
 pub trait TrackValue: Copy {

@@ -1,8 +1,7 @@
 //! Numbers of glTF accessors.
 
-use super::super::archive::read_file;
-use super::super::source::content_error;
 use super::document::{Accessor, GltfDocument, Sparse, SparsePart};
+use super::{super::archive::read_file, super::source::content_error};
 use crate::error::{ImportError, ensure};
 use crate::export::glb::parts::{FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT};
 use std::borrow::Cow;

@@ -3,8 +3,7 @@
 use super::{AccessorReader, GltfDocument, GltfNode, GltfPrimitive, MAX_BYTES, document};
 use crate::error::{BuildError, Result, ensure};
 use glam::{Mat4, Quat, Vec3};
-use std::collections::BTreeSet;
-use std::path::Path;
+use std::{collections::BTreeSet, path::Path};
 use throng_base::file::read_file;
 
 /// Most levels of nodes.

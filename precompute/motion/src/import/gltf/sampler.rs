@@ -4,8 +4,7 @@ use super::accessor::AccessorReader;
 use super::document::{GltfSampler, Interpolation};
 use crate::error::ensure;
 use glam::{DQuat, DVec3, DVec4};
-use std::collections::BTreeMap;
-use std::rc::Rc;
+use std::{collections::BTreeMap, rc::Rc};
 
 /// Bound of the times of keys (s).
 const MAX_TIME_S: f64 = 1e6;

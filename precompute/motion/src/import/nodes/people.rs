@@ -2,8 +2,7 @@
 
 use super::super::source::{MAX_JOINTS, MAX_NAME};
 use super::RigScene;
-use crate::error::ensure;
-use crate::raw::children_of;
+use crate::{error::ensure, raw::children_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most levels of nodes; a skeleton has about thirty.

@@ -1,8 +1,6 @@
 //! Walks on the spot, as on treadmills and in exports "in place": they are found, and get root motion from planted feet.
 
-use crate::clip::runs_where;
-use crate::import::roles::RoleMap;
-use crate::raw::RawClip;
+use crate::{clip::runs_where, import::roles::RoleMap, raw::RawClip};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_base::maths::quantile;
 use throng_base::thresholds::{FOOT_FREE_MPS, FOOT_LOW_M, FOOT_PLANTED_MPS, TREADMILL_RUNS_MPS};

@@ -1,13 +1,10 @@
 //! Loops of a cycle or two, as games play them: repeated until there are whole steps between their ends.
 
 use super::{JOINTS, RATE_HZ};
-use crate::import::roles::RoleMap;
-use crate::raw::RawClip;
-use crate::stance::FEET;
+use crate::{import::roles::RoleMap, raw::RawClip, stance::FEET};
 use glam::{Quat, Vec2, Vec3, Vec3Swizzles};
 use throng_base::maths::{atan2, compose, rotate, rotation_y, slerp_f32};
-use throng_core::Joint;
-use throng_core::planar::wrap_angle;
+use throng_core::{Joint, planar::wrap_angle};
 
 /// Shortest and longest loop that is repeated (s).
 const LENGTH_S: std::ops::RangeInclusive<f64> = 0.4..=3.2;

@@ -4,13 +4,10 @@ mod in_place;
 mod loops;
 
 use super::roles::RoleMap;
-use crate::error::Warnings;
-use crate::raw::RawClip;
+use crate::{error::Warnings, raw::RawClip};
 use glam::{Quat, Vec2, Vec3};
 pub(super) use loops::unroll_loop;
-use throng_base::maths;
-use throng_base::maths::quantile;
-use throng_base::thresholds::WALKING_MPS;
+use throng_base::{maths, maths::quantile, thresholds::WALKING_MPS};
 use throng_core::Joint;
 
 /// Warns of walks on the spot, of steps that are too fast, and of noise.

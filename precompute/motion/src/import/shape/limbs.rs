@@ -1,8 +1,7 @@
 //! Pairs of limbs: chains of equal lengths that hang on one joint, and the places of the limb's three joints on them.
 
-use super::names::Label;
 use super::names::NamedPart::{self, Foot, Forearm, Hand, Shin, Thigh, UpperArm};
-use super::tree::SkeletonTree;
+use super::{names::Label, tree::SkeletonTree};
 use crate::side::LateralSide;
 use std::collections::HashSet;
 

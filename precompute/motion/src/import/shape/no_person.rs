@@ -1,11 +1,8 @@
 //! Explains why a skeleton is no whole body.
 
 use super::limbs::{self, MirroredChains};
-use super::names::NamedPart;
-use super::tree::SkeletonTree;
-use super::{NoPerson, RecognisedBody, trunk};
-use crate::import::roles::RoleMap;
-use crate::import::units::rest_world;
+use super::{NoPerson, RecognisedBody, names::NamedPart, tree::SkeletonTree, trunk};
+use crate::{import::roles::RoleMap, import::units::rest_world};
 use glam::Vec3;
 use throng_core::Joint;
 

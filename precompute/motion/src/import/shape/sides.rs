@@ -1,9 +1,7 @@
 //! Finds which side is left: toes point and knees bend ahead; the arms lie as the legs do. Names are compared with it.
 
-use super::tree::SkeletonTree;
-use super::{NoPerson, RecognisedBody};
-use crate::import::roles::RoleMap;
-use crate::side::LateralSide;
+use super::{NoPerson, RecognisedBody, tree::SkeletonTree};
+use crate::{import::roles::RoleMap, side::LateralSide};
 use glam::Vec3;
 use throng_core::Joint;
 

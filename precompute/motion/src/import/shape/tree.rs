@@ -1,7 +1,6 @@
 //! A skeleton as a tree of lengths: parents and children, lengths of segments in the motion, positions of joints.
 
-use super::super::units::sample_frames;
-use super::names::Label;
+use super::{super::units::sample_frames, names::Label};
 use crate::raw::{RawClip, children_of};
 use glam::Vec3;
 use throng_base::maths::quantile;

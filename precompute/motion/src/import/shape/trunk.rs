@@ -1,9 +1,6 @@
 //! Hips, spine, neck and head: the joints between the legs and the arms, and the chain that goes on from there.
 
-use super::limbs::MirroredChains;
-use super::names::NamedPart;
-use super::tree::SkeletonTree;
-use super::{RecognisedBody, RoleMap};
+use super::{RecognisedBody, RoleMap, limbs::MirroredChains, names::NamedPart, tree::SkeletonTree};
 use glam::Vec3;
 use throng_core::Joint::{Chest, Head, Hips, Neck, Spine, UpperChest};
 

@@ -10,24 +10,20 @@ mod segment;
 #[cfg(test)]
 mod tests;
 
-use super::hierarchy::ModelPose;
 use super::lanes::{Lane3, get_lane, load, set_lane, store};
 use super::limbs::{chosen_q, chosen_v};
-use super::placement::PlacementLanes;
-use super::volume::BodyVolume;
-use crate::contacts::Contacts;
-use crate::hits::striking_offset;
+use super::{hierarchy::ModelPose, placement::PlacementLanes, volume::BodyVolume};
 use crate::skeleton::{ARMS, Joint, Skeleton};
+use crate::{contacts::Contacts, hits::striking_offset};
 use glam::Vec3;
 use segment::{
     BoundingBall, LimbFreedom, LimbSegment, LimbShape, SOFT_ELBOW_M, elbow_angle, separate_segments, solve_two_bones,
     swing_rotation,
 };
 use serde::{Deserialize, Serialize};
-use throng_base::error::check_value;
 use throng_base::simd::{LANES, Lanes, Q, V};
 use throng_base::thresholds::{FLESH_GIVES_M, LEG_RAISED_M};
-use throng_base::{Result, maths};
+use throng_base::{Result, error::check_value, maths};
 use throng_geometry::{Capsule, nearest_points};
 
 /// Approximate length of a piece of a limb's path, except for very fast arms (m).

@@ -1,7 +1,6 @@
 //! Checks of activities: distinct names, frames within their clips, looped parts within the frames.
 
-use super::super::Bundle;
-use super::check_unique;
+use super::{super::Bundle, check_unique};
 use crate::format::{ActivityMeta, FormatError};
 use throng_base::error::ensure;
 

@@ -6,8 +6,7 @@ use crate::blend::{
     BlendRecord, BlendSpace, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS,
     ReferenceRow, axis, channel,
 };
-use crate::format::FormatError;
-use crate::skeleton::NUM_JOINTS;
+use crate::{format::FormatError, skeleton::NUM_JOINTS};
 use throng_base::error::ensure;
 
 /// Numbers of examples and channels stay below this.

@@ -4,8 +4,7 @@ use super::{ASTRAY, LEAP, is_near, refuse, root_seen_from};
 use crate::bundle::{Bundle, tags};
 use crate::format::FormatError;
 use crate::stops::{BODY_RADIUS_M, PIECE_FRAMES, REST, SLOW_DOWN, SweepNode, WALK_ON};
-use throng_base::error::ensure;
-use throng_base::maths;
+use throng_base::{error::ensure, maths};
 
 /// Most nodes of a segment, with those that bending adds, and of all segments on the way to a stand: characters that make way
 /// have room for as many each.

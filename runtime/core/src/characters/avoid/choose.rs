@@ -2,17 +2,14 @@
 
 use super::super::block::{MotionBlock, SCHEDULED};
 use super::super::control::{self, MAX_GOALS, OwnGoal};
-use super::super::idle::StandingChooser;
-use super::super::manner::MannerName;
-use super::super::motion_set::MotionSet;
 use super::super::transition::{SegmentChange, StartTransitionsJob};
 use super::super::{ActionChoice, Characters, CharactersConfig, PolicyOrder, pace};
 use super::path::{self, SegmentPlan};
 use super::steer::{NUM_DIRECTIONS, SteeringQuery};
+use super::{super::idle::StandingChooser, super::manner::MannerName, super::motion_set::MotionSet};
 use super::{AvoidConfig, PathAvoidance, elapsed_s};
-use crate::body::RANGE_LEN;
-use crate::planar::Planar;
 use crate::policy::{self, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
+use crate::{body::RANGE_LEN, planar::Planar};
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use throng_base::maths;

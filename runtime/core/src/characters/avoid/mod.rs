@@ -11,22 +11,15 @@ mod choose;
 mod path;
 mod steer;
 
-use super::Characters;
-use super::block::MotionBlock;
-use super::motion_set::MotionSet;
-use super::pace;
+use super::{Characters, block::MotionBlock, motion_set::MotionSet, pace};
 use crate::body::HeightField;
 use crate::reserve::{
     ExternalObstacle, FloorWall, PathReservations, ROUNDING_M, ReservedPath, ReservedRegion, TimedPath,
 };
 use crate::stops::BODY_RADIUS_M;
 use glam::Vec2;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-use throng_base::Result;
-use throng_base::error::check_range;
-use throng_base::simd::LANES;
-use throng_base::thresholds::WALKING_MPS;
+use std::{cmp::Reverse, collections::BinaryHeap};
+use throng_base::{Result, error::check_range, simd::LANES, thresholds::WALKING_MPS};
 
 pub(crate) use choose::ChoiceInputs;
 pub(crate) use path::{SegmentPlan, stop_of};

@@ -1,9 +1,7 @@
 //! Paths of segments and of the stops after them, in the world.
 
-use super::super::bent;
 use super::super::block::{MotionBlock, NO_STATE, SCHEDULED};
-use super::super::motion_set::MotionSet;
-use super::super::pace;
+use super::{super::bent, super::motion_set::MotionSet, super::pace};
 use crate::planar::Planar;
 use crate::reserve::{PathNode, ReservedPath};
 use crate::stops::{BODY_RADIUS_M, REST, SLOW_DOWN, SweepNode};

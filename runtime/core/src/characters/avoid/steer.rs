@@ -1,8 +1,7 @@
 //! Steering: the direction that turns least from the target and does not run into others soon.
 
 use super::AvoidConfig;
-use crate::reserve::PathReservations;
-use crate::stops::BODY_RADIUS_M;
+use crate::{reserve::PathReservations, stops::BODY_RADIUS_M};
 use glam::Vec2;
 use throng_base::maths;
 use throng_geometry::{Bounds2d, Capsule2d, distance_to_segment};

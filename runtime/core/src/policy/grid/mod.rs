@@ -8,9 +8,8 @@ use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 pub use stencil::Stencil;
 pub(super) use stencil::{GridCoordinates, StencilLanes, interval};
-use throng_base::Result;
 use throng_base::error::{check_index, check_value};
-use throng_base::maths;
+use throng_base::{Result, maths};
 
 /// [`GridRecord::kind`] of a polar grid: angles cover the full circle, one height, farther targets clamp to the last
 /// ring.

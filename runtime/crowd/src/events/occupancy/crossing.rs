@@ -1,7 +1,6 @@
 //! When a bound enters and leaves cells (Kim, Kim and Shin 2003a, section 2.2).
 
-use crate::Space;
-use crate::space::plan::MotionPlan;
+use crate::{Space, space::plan::MotionPlan};
 use serde::{Deserialize, Serialize};
 
 /// A bound enters or leaves the cells behind a face.

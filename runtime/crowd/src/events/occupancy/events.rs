@@ -1,13 +1,9 @@
 //! Events of the scheme of Kim, Kim and Shin (2003a, section 2.2 and 2.3).
 
-use crate::error::check;
-use crate::events::decide::Cause;
-use crate::events::engine::Engine;
 use crate::events::occupancy::{Occupancy, each_cell};
-use crate::events::schemes::SchemeRef;
 use crate::safety::bound::{Bound, narrowest_cell};
-use crate::space::plan::MotionPlan;
-use crate::{Agent, CrowdError, CrowdEventKind, NONE, Space};
+use crate::{Agent, CrowdError, CrowdEventKind, NONE, Space, events::schemes::SchemeRef};
+use crate::{error::check, events::decide::Cause, events::engine::Engine, space::plan::MotionPlan};
 
 /// Gap between two that touch (m).
 pub(crate) const CONTACT: f32 = 0.02;

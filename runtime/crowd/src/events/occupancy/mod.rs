@@ -8,9 +8,7 @@ use self::contacts::ContactGraph;
 use self::crossing::{Crossing, next_crossing, range};
 use crate::events::decide::{Cause, Decider};
 use crate::safety::bound::{Bound, WIDEST, time_until_gone};
-use crate::space::cells::CellGrid;
-use crate::space::plan::MotionPlan;
-use crate::{NONE, Space};
+use crate::{NONE, Space, space::cells::CellGrid, space::plan::MotionPlan};
 use serde::{Deserialize, Serialize};
 
 /// The cells that each agent occupies, and contacts between agents.

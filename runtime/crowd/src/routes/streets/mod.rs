@@ -13,18 +13,14 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use crate::routes::outline::ObstacleOutline;
-use crate::routes::passages::ClosedDoor;
-use crate::{AtEnd, NONE, Obstacle, Route, Space};
+use crate::{AtEnd, NONE, Obstacle, Route, Space, routes::outline::ObstacleOutline, routes::passages::ClosedDoor};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use near::EdgeGrid;
 pub(crate) use search::CornerQuery;
 pub(crate) use search::OpenPoint;
 use search::path_length;
 use serde::Serialize;
-use throng_base::error::check_value;
-use throng_base::ground::is_one_floor;
-use throng_base::{Error, Result};
+use throng_base::{Error, Result, error::check_value, ground::is_one_floor};
 
 /// Paths round obstacles that keep a clearance.
 ///

@@ -3,8 +3,7 @@
 use super::{CLOSED_M, Doors, GoalCosts, MOST_CORNERS, NoPath, PointCost, RouteCorner, Streets, TAUT};
 use crate::NONE;
 use glam::Vec2;
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use std::{cmp::Ordering, collections::BinaryHeap};
 
 /// Point that waits to be expanded; the one with the smallest estimate comes first.
 #[derive(Clone, Copy, Debug)]

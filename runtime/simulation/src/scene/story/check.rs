@@ -4,9 +4,8 @@ use super::{
     ActionConfig, DoorConfig, EventConfig, RelationConfig, SiteConfig, SourceConfig, StoryBehaviour, ThingConfig,
     ValueConfig, WordConfig,
 };
-use crate::scene::PlaceConfig;
 use crate::scene::check::{KeyFault, check_numbers, check_point, check_ranges, key_fault};
-use crate::scene::goal::scale_points;
+use crate::{scene::PlaceConfig, scene::goal::scale_points};
 /// Multiplies the points of actions.
 pub(in crate::scene) fn stretch_actions(actions: &mut [ActionConfig], by: f32) {
     for (word, said) in actions.iter_mut().flatten() {
