@@ -28,8 +28,9 @@ pub use read::{
 pub use scene::{
     ThrongCharactersConfig, ThrongId, ThrongLayers, ThrongProgress, throng_characters_config_init,
     throng_characters_despawn, throng_characters_new, throng_characters_order, throng_characters_place,
-    throng_characters_progress, throng_characters_set_layers, throng_characters_set_manner, throng_characters_spawn,
-    throng_characters_stop, throng_characters_turn_to, throng_simulation_open, throng_simulation_raise,
+    throng_characters_progress, throng_characters_set_layers, throng_characters_set_manner,
+    throng_characters_set_speed, throng_characters_spawn, throng_characters_stop, throng_characters_turn_to,
+    throng_simulation_open, throng_simulation_raise,
 };
 pub use stage::{
     ThrongSimulation, throng_simulation_announce, throng_simulation_count, throng_simulation_free,

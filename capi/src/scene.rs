@@ -294,6 +294,18 @@ pub unsafe extern "C" fn throng_characters_set_manner(
     })
 }
 
+/// Orders a character a speed on its way, which stays; it takes the gait whose usual speed is nearest to that.
+///
+/// @param speed_mps 0 for that which its policy prefers (m/s).
+#[unsafe(no_mangle)]
+pub extern "C" fn throng_characters_set_speed(
+    simulation: ThrongSimulation,
+    id: ThrongId,
+    speed_mps: f32,
+) -> ThrongStatus {
+    simulation.call(|stage| Ok(stage.characters_mut()?.set_speed(id.into(), speed_mps)?))
+}
+
 /// Progress of a character's order.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

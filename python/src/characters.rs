@@ -91,6 +91,12 @@ impl PyCharacters {
         self.characters.set_manner(id, manner).map_err(error::runtime_error)
     }
 
+    /// Orders a character a speed on its way (m/s), which stays; it takes the gait whose usual speed is nearest to that.
+    fn set_speed(&mut self, who: usize, speed: f32) -> PyResult<()> {
+        let id = self.id(who)?;
+        self.characters.set_speed(id, speed).map_err(error::runtime_error)
+    }
+
     /// Sets the layers of a character, a JSON object.
     fn _set_layers(&mut self, who: usize, layers: &str) -> PyResult<()> {
         let layers: BodyLayers = serde_json::from_str(layers).map_err(|e| error::input_error(e.to_string()))?;

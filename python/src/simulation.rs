@@ -205,7 +205,7 @@ impl PySimulation {
         self.sim.explain(who).map(|why| why.to_string()).map_err(error::runtime_error)
     }
 
-    /// Sends a person to a place (x, y, z; m), at a speed of its own (m/s, agents alone); there it faces a heading (radians).
+    /// Sends a person to a place (x, y, z; m), at a speed from then on (m/s); there it faces a heading (radians).
     #[pyo3(signature = (who, place, *, speed=None, facing=None))]
     fn go(&mut self, who: usize, place: [f32; 3], speed: Option<f32>, facing: Option<f32>) -> PyResult<()> {
         let order = speed.map_or(Order::go(place.into()), |speed| Order::go(place.into()).at_speed(speed));

@@ -4,12 +4,19 @@ use crate::common;
 use glam::{Vec2, Vec3};
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::{Error, Inline};
+use throng_precompute::cache::Cache;
+use throng_precompute::graph::MakeMotion;
+use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_simulation::{AnyCharacterGroup, CharacterEvent, MotionKind, Order, Scene, Simulation};
 
 /// A scene of people with a small bundle of walking.
 fn people(text: &str) -> Result<Simulation, String> {
+    people_with(common::bundle(), text)
+}
+
+fn people_with(bundle: &[u8], text: &str) -> Result<Simulation, String> {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("walk.throng"), common::bundle()).expect("a bundle");
+    std::fs::write(folder.path().join("walk.throng"), bundle).expect("a bundle");
     let text = format!("bundle = \"walk.throng\"\n{text}");
     let scene = Scene::parse(&text, &folder.path().join("people.toml")).map_err(|e| e.to_string())?;
     let compiled = scene.open().map_err(|e| e.to_string())?;
@@ -192,8 +199,8 @@ fn people_go_stop_turn_and_follow_as_they_are_ordered() {
     let turned = sim.root(1).unwrap().heading + 1.0;
     assert!(at(&sim, 1).distance(stands) < 0.5 && turned.sin().abs() < 0.3 && turned.cos() > 0.0, "{turned} rad off");
     assert!(matches!(sim.order(3, Order::stop()), Err(Error::Gone(_))));
-    let told = sim.order(0, Order::stop().at_speed(1.0)).unwrap_err().to_string();
-    assert!(told.contains("people.toml") && told.contains("speeds of their motion"), "{told}");
+    let told = sim.order(0, Order::stop().at_speed(-1.0)).unwrap_err().to_string();
+    assert!(told.contains("speed_mps") && told.contains("0.01 to 100"), "{told}");
     // A snapshot in the middle of orders goes on bit by bit, in a simulation with others.
     sim.order(1, Order::go(Vec3::new(-6.0, 0.0, 4.0))).unwrap();
     step(&mut sim, 1.0);
@@ -203,4 +210,51 @@ fn people_go_stop_turn_and_follow_as_they_are_ordered() {
     step(&mut other, 1.0);
     other.restore(&kept).unwrap();
     assert_eq!([&mut sim, &mut other].map(|sim| (step(sim, 5.0), sim.hash()))[0], (Vec::new(), other.hash()));
+}
+
+/// A bundle of clips that stand, walk and run straight on.
+fn walks_and_runs() -> Vec<u8> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("gaits.throng"));
+    let config = SynthConfig::for_set(SynthSet::Locomotion);
+    synth::write_set(SynthSet::Locomotion, &config, &clips).expect("synthetic clips can be written");
+    let names = ["idle_neutral", "walk_neutral_v110_g00", "walk_neutral_v150_g00", "run_neutral_v320_g00"];
+    let inputs = names.map(|name| clips.join(name).with_extension("bvh")).to_vec();
+    let mut config = common::small_config(inputs);
+    config.graph.make = MakeMotion::Missing;
+    common::build(&config, &out, &Cache::disabled());
+    std::fs::read(&out).expect("what was built can be read")
+}
+
+#[test]
+fn captured_people_walk_and_run_as_they_are_ordered() {
+    let bundle = walks_and_runs();
+    let start = group(4, [[-8.0, -0.5], [8.0, 0.5]], "shift = { by = [0.0, 1.0] }");
+    for (speed, expected) in [(None, 0.9..1.9), (Some(1.2), 0.9..1.9), (Some(4.0), 2.6..4.5)] {
+        let mut sim = people_with(&bundle, &start).unwrap();
+        (0..90).for_each(|_| sim.step(1.0 / 30.0).unwrap());
+        let at = |sim: &Simulation, who| sim.root(who).map(|r| Vec2::new(r.x, r.z)).unwrap();
+        let starts = [0, 1, 2, 3].map(|who| at(&sim, who));
+        let goals = starts.map(|at| at + Vec2::new(0.0, 24.0));
+        for who in 0..4 {
+            let order = Order::go(Vec3::new(goals[who].x, 0.0, goals[who].y));
+            sim.order(who, speed.map_or(order, |speed| order.at_speed(speed))).unwrap();
+        }
+        let (mut ways, mut times, mut last) = ([0.0f32; 4], [0.0f32; 4], starts);
+        for _ in 0..1200 {
+            sim.step(1.0 / 30.0).unwrap();
+            for who in 0..4 {
+                let now = at(&sim, who);
+                if now.distance(starts[who]) > 5.0 && now.distance(goals[who]) > 6.0 {
+                    ways[who] += now.distance(last[who]);
+                    times[who] += 1.0 / 30.0;
+                }
+                last[who] = now;
+            }
+        }
+        for who in 0..4 {
+            let (mean, far) = (ways[who] / times[who], last[who].distance(goals[who]));
+            assert!(expected.contains(&mean) && ways[who] < 14.0 && far < 0.6, "{speed:?}: {mean} m/s, {far} m off");
+        }
+    }
 }

@@ -2,13 +2,14 @@
 
 use super::avoid::{SegmentPlan, stop_of};
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
+use super::manner::{MannerName, OrderedChoice};
 use super::transition::{SegmentChange, StartTransitionsJob};
 use super::{ActionChoice, Characters, CharactersConfig, pace};
-use super::{bent, blow::PassedHits, manner::MannerName, order::PolicyOrder, step::CharactersTick};
+use super::{bent, blow::PassedHits, order::PolicyOrder, step::CharactersTick};
 use super::{idle::StandingChooser, motion_set::MotionSet, scheduled_clip::to_root};
 use crate::policy::{self, BestActionJob, LookAheadJob, MAX_RANKED, NO_ACTION, PolicyTable, RankedActions};
 use crate::{body::set_lane, graph::MotionSegment, planar::Planar};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_base::simd::{LANES, dispatch};
 
 /// Characters that choose together; the batch lives on the stack.
@@ -191,21 +192,17 @@ impl PendingChoices {
         }
         for i in 0..n {
             let order = &tick.orders[first + self.characters[i] as usize];
-            if order.manner == MannerName::NONE {
+            if order.manner == MannerName::NONE && order.speed_mps.is_none() {
                 continue;
             }
-            // Who stands, or is to stand, does so in any manner.
             let chooser = self.standing_chooser(i, blocks, tick);
-            let stays = chooser.stays(self.actions[i]);
-            if order.is_to_stand() && !stays {
-                continue;
-            }
-            let chosen = motion_set.graph.segments_of(self.states[i])[usize::from(self.actions[i])];
-            let end = motion_set.graph.segments[chosen as usize].end;
-            let Some(manner) = motion_set.manners.wanted(order.manner, end) else { continue };
+            let (state, chosen) = (self.states[i], self.actions[i]);
+            let stays = chooser.stays(chosen);
             let aims = |g: usize| (&motion_set.policies[policies[g]], self.weights[g][i], self.targets[g][i]);
             let worth = |segment| (0..num_goals).map(|g| worth_after(segment, aims(g))).sum();
-            let ranked = motion_set.manners.ranked_actions(&motion_set.graph, self.states[i], manner, worth);
+            let left = (num_goals == 1).then(|| way_left(motion_set, policies[0], self.targets[0][i])).flatten();
+            let choice = OrderedChoice { motion_set, order, state, chosen, stays, left };
+            let Some(ranked) = choice.preferred(worth) else { continue };
             if ranked[0] != NO_ACTION && (!stays || chooser.stays(ranked[0])) {
                 (self.actions[i], self.bends[i]) = (ranked[0], 0.0);
             }
@@ -218,6 +215,13 @@ impl PendingChoices {
         let b = &all[character / LANES];
         StandingChooser { b, lane: character % LANES, state: self.states[i], root: self.roots[i], motion_set, config }
     }
+}
+
+/// Way of a behaviour to its target, as the character sees it (m); none where that is not a place.
+pub(super) fn way_left(motion_set: &MotionSet, policy: usize, seen: Vec3) -> Option<Vec2> {
+    let policy = &motion_set.policies[policy];
+    let is_place = policy.grid().is_polar() && policy.reward().record().offset == 0.0;
+    is_place.then(|| (seen - policy.centre()).xz())
 }
 
 /// Value for a behaviour, with its weight and its target, of the end of a segment (m).

@@ -3,11 +3,13 @@
 //! A character that is ordered to a manner takes the actions that lead there soon and to where its goals are worth most, and
 //! no others that leave it from then on. Who was never ordered to one follows its policy.
 
-use super::idle::ERROR_FRAMES;
+use super::{idle::ERROR_FRAMES, motion_set::MotionSet, order::PolicyOrder};
 use crate::bundle::Bundle;
+use crate::format::{Gait, MotionClass};
 use crate::graph::{MotionGraph, MotionSegment};
 use crate::policy::{MAX_RANKED, NO_ACTION};
 use crate::stops::{REST, StopRecord};
+use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use throng_base::{Error, Result, maths};
 
@@ -18,6 +20,16 @@ const URGENCY_S: f32 = 0.5;
 /// Time that a change of manner is worth on the way to a stand: a short one in the same manner is preferred to a long one in
 /// another (frames).
 const CHANGE_FRAMES: f32 = 600.0;
+/// Gaits between which an order of a speed chooses.
+const GAITS: [(Gait, &str); 2] = [(Gait::Walk, "walk"), (Gait::Run, "run")];
+/// Difference of velocities by which an action is e times worse (m/s).
+const SPEED_MPS: f32 = 0.5;
+/// Share of the time that a change of manner is worth on the way to a gait.
+const OTHER_MANNER: f32 = 0.25;
+/// Least worth of an action for goals, and share that it keeps which leaves the manner that is ordered.
+const LEAST_WORTH: f32 = 1e-6;
+/// Way before a stop within which speeds are those of the policy (m).
+const NEAR_M: f32 = 1.0;
 /// Delay from states from which no motion leads to a manner.
 const NEVER: u16 = u16::MAX;
 
@@ -49,8 +61,17 @@ pub(super) struct Manners {
 
 impl Manners {
     pub fn find(bundle: &Bundle) -> Self {
+        Self::by_class(bundle, |class| &class.manner).with_delays(
+            bundle.graph(),
+            bundle.meta().rate_hz as f32,
+            &|_, _| 0.0,
+        )
+    }
+
+    /// Motion sorted by a word on its class; that of clips without classes is of none.
+    fn by_class(bundle: &Bundle, word: impl Fn(&MotionClass) -> &str) -> Self {
         let (clips, rows) = (&bundle.meta().clips, bundle.clips());
-        let mut names: Vec<&str> = clips.iter().flat_map(|c| &c.classes).map(|span| &*span.class.manner).collect();
+        let mut names: Vec<&str> = clips.iter().flat_map(|c| &c.classes).map(|span| word(&span.class)).collect();
         names.sort_unstable();
         names.dedup();
         if names.len() < 2 {
@@ -60,12 +81,11 @@ impl Manners {
             let clip = rows.partition_point(|c| c.first_frame <= frame) - 1;
             let within = frame - rows[clip].first_frame;
             let span = clips[clip].classes.iter().find(|span| span.frames.contains(&within));
-            span.and_then(|span| names.binary_search(&&*span.class.manner).ok()).map_or(u16::MAX, |n| n as u16)
+            span.and_then(|span| names.binary_search(&word(&span.class)).ok()).map_or(u16::MAX, |n| n as u16)
         };
         let of_states = bundle.graph().states.iter().map(|s| of_state(s.frame)).collect();
         let names = names.into_iter().map(|name| if name.is_empty() { PLAIN } else { name });
-        let out = Self { names: names.map(str::to_owned).collect(), of_states, ..Self::default() };
-        out.with_delays(bundle.graph(), bundle.meta().rate_hz as f32)
+        Self { names: names.map(str::to_owned).collect(), of_states, ..Self::default() }
     }
 
     /// Motion of which the first half of the states is calm and the other half sad.
@@ -73,12 +93,13 @@ impl Manners {
     pub fn made_up(graph: &MotionGraph) -> Self {
         let (names, num) = (["calm", "sad"].map(str::to_owned).to_vec(), graph.states.len());
         let of_states = (0..num).map(|s| u16::from(2 * s >= num)).collect();
-        Self { names, of_states, ..Self::default() }.with_delays(graph, 30.0)
+        Self { names, of_states, ..Self::default() }.with_delays(graph, 30.0, &|_, _| 0.0)
     }
 
-    fn with_delays(self, graph: &MotionGraph, rate_hz: f32) -> Self {
-        let delays = (0..self.names.len()).map(|manner| find_delays(graph, &self.of_states, manner as u16)).collect();
-        Self { delays, rate_hz, ..self }
+    /// - `extra`: time that an action from one state to another is worth besides (frames).
+    fn with_delays(self, graph: &MotionGraph, rate_hz: f32, extra: &impl Fn(u32, u32) -> f32) -> Self {
+        let delays = |manner| find_delays(graph, &self.of_states, manner as u16, extra);
+        Self { delays: (0..self.names.len()).map(delays).collect(), rate_hz, ..self }
     }
 
     /// True where motion to one state is in the manner of that to another.
@@ -89,6 +110,11 @@ impl Manners {
     /// Cost of motion from one state to another on the way to a stand, beside its time (frames).
     pub fn change_frames(&self, from: u32, to: u32) -> f32 {
         if self.are_alike(from, to) { 0.0 } else { CHANGE_FRAMES }
+    }
+
+    /// True where motion to a state is in a manner, and can go on in it.
+    fn goes_on(&self, state: u32, manner: usize) -> bool {
+        self.delays[manner][state as usize] == 0
     }
 
     /// Number of a manner.
@@ -136,7 +162,7 @@ impl Manners {
 
     /// The best actions on the way to a manner, or within it, best first; [`NO_ACTION`] beyond the last one.
     ///
-    /// - `worth`: of the end of a segment, by its number, for what the character is about besides (>= 0).
+    /// - `worth`: of the end of a segment, by its number, for what the character is about besides (> 0).
     pub fn ranked_actions(
         &self,
         graph: &MotionGraph,
@@ -149,11 +175,12 @@ impl Manners {
         for (action, (&s, error)) in segments.iter().zip(errors).enumerate() {
             let segment = &graph.segments[s as usize];
             let left = self.delays[manner][segment.end as usize];
-            if left == NEVER {
+            // Who goes on in it already leaves it no more.
+            if left == NEVER || left > 0 && self.goes_on(state, manner) {
                 continue;
             }
             let delay_s = (action_frames(segment, *error) + f32::from(left)) / self.rate_hz;
-            let mut entry = (worth(s).max(1e-6) * maths::exp(-delay_s / URGENCY_S), action as u8);
+            let mut entry = (worth(s) * maths::exp(-delay_s / URGENCY_S), action as u8);
             for kept in &mut best {
                 if kept.1 == NO_ACTION || kept.0 < entry.0 {
                     std::mem::swap(kept, &mut entry);
@@ -174,13 +201,92 @@ impl Manners {
     }
 }
 
+/// Gaits of the motion of a graph: characters that are ordered a speed take that whose usual speed is nearest to it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gaits {
+    /// Motion sorted by [`GAITS`]; all other motion has no name.
+    sorted: Manners,
+    /// Mean speeds (m/s); none of a gait that leads nowhere.
+    means: [Option<f32>; GAITS.len()],
+}
+
+impl Gaits {
+    pub fn find(bundle: &Bundle, manners: &Manners) -> Self {
+        let gait = |class: &MotionClass| GAITS.iter().position(|(gait, _)| *gait == class.gait);
+        let (graph, rate_hz) = (bundle.graph(), bundle.meta().rate_hz as f32);
+        let sorted = Manners::by_class(bundle, |class| gait(class).map_or("", |number| GAITS[number].1));
+        let sorted = sorted.with_delays(graph, rate_hz, &|from, to| OTHER_MANNER * manners.change_frames(from, to));
+        let means = GAITS.map(|(_, name)| {
+            let number = sorted.find_name(MannerName::new(name))?;
+            let own = || graph.segments.iter().filter(|s| sorted.goes_on(s.end, number));
+            let way: f32 = own().map(|s| maths::hypot(s.displacement[0], s.displacement[1])).sum();
+            Some(way * rate_hz / own().map(|s| s.num_frames as f32).sum::<f32>().max(1.0))
+        });
+        Self { sorted, means }
+    }
+
+    /// Number in `sorted` of the gait for a speed, and its mean speed (m/s).
+    fn gait_at(&self, speed_mps: f32) -> Option<(usize, f32)> {
+        let known = self.means.iter().zip(GAITS).filter_map(|(mean, (_, name))| Some(((*mean)?, name)));
+        let nearest = known.min_by(|a, b| (a.0 - speed_mps).abs().total_cmp(&(b.0 - speed_mps).abs()))?;
+        Some((self.sorted.find_name(MannerName::new(nearest.1))?, nearest.0))
+    }
+}
+
+/// A character that follows an order, at its choice.
+pub(super) struct OrderedChoice<'a> {
+    pub motion_set: &'a MotionSet,
+    pub order: &'a PolicyOrder,
+    pub state: u32,
+    /// The action that its policies, or its stand, would take, and whether it stands with that as before.
+    pub chosen: u8,
+    pub stays: bool,
+    /// The way to its target as it sees it (m); none where that is no place.
+    pub left: Option<Vec2>,
+}
+
+impl OrderedChoice<'_> {
+    /// Actions to try first, best first, for the manner and the speed that it is ordered; none where the chosen one serves.
+    ///
+    /// - `worth`: of the end of a segment, by its number, for its goals (>= 0).
+    pub fn preferred(&self, worth: impl Fn(u32) -> f32) -> Option<[u8; MAX_RANKED]> {
+        let Self { motion_set, order, state, .. } = *self;
+        let (graph, manners, gaits) = (&motion_set.graph, &motion_set.manners, &motion_set.gaits);
+        let segment = graph.segments_of(state).get(usize::from(self.chosen)).copied();
+        let end = segment.map_or(state, |s| graph.segments[s as usize].end);
+        // Who stands, or is to stand, does so in any manner.
+        if self.stays || !order.is_to_stand() {
+            if let Some(manner) = manners.wanted(order.manner, end) {
+                return Some(manners.ranked_actions(graph, state, manner, |s| worth(s).max(LEAST_WORTH)));
+            }
+        }
+        let speed = order.speed_mps.filter(|speed| *speed > 0.0 && !self.stays)?;
+        let (left, (gait, mean)) = (self.left?, gaits.gait_at(speed)?);
+        // Who is near slows down as its policy says.
+        let stop_m = speed * motion_set.stops.stops[end as usize].frames as f32 / motion_set.rate_hz;
+        if left.length() < stop_m + NEAR_M || gaits.sorted.goes_on(end, gait) {
+            return None;
+        }
+        let wanted = left.normalize_or_zero() * mean;
+        let share = |s: u32| {
+            let segment = &graph.segments[s as usize];
+            let [x, z, _] = segment.displacement;
+            let off = Vec2::new(x, z) * (motion_set.rate_hz / segment.num_frames.max(1) as f32) - wanted;
+            let change = OTHER_MANNER * manners.change_frames(state, segment.end) / motion_set.rate_hz;
+            let keeps = order.manner == MannerName::NONE || manners.are_alike(end, segment.end);
+            maths::exp(-off.length() / SPEED_MPS - change / URGENCY_S) * if keeps { 1.0 } else { LEAST_WORTH }
+        };
+        Some(gaits.sorted.ranked_actions(graph, state, gait, |s| worth(s).max(LEAST_WORTH) * share(s)))
+    }
+}
+
 /// Time that an action takes, with what its transition is worth (frames).
 fn action_frames(segment: &MotionSegment, error: f32) -> f32 {
     segment.num_frames as f32 + ERROR_FRAMES * error
 }
 
 /// Least time from each state to motion of a manner from which the motion can go on in it for ever (frames).
-fn find_delays(graph: &MotionGraph, of_states: &[u16], manner: u16) -> Vec<u16> {
+fn find_delays(graph: &MotionGraph, of_states: &[u16], manner: u16, extra: &impl Fn(u32, u32) -> f32) -> Vec<u16> {
     let mut out: Vec<u16> = of_states.iter().map(|&m| if m == manner { 0 } else { NEVER }).collect();
     let ends = |s: usize| graph.segments_of(s as u32).iter().map(|&s| graph.segments[s as usize].end as usize);
     loop {
@@ -196,7 +302,10 @@ fn find_delays(graph: &MotionGraph, of_states: &[u16], manner: u16) -> Vec<u16> 
             let (segments, errors) = graph.actions_of(state as u32);
             let after = |(&s, error): (&u32, &f32)| {
                 let segment = &graph.segments[s as usize];
-                (f32::from(out[segment.end as usize]) + action_frames(segment, *error)).min(f32::from(NEVER)) as u16
+                (f32::from(out[segment.end as usize])
+                    + action_frames(segment, *error)
+                    + extra(state as u32, segment.end))
+                .min(f32::from(NEVER)) as u16
             };
             let least = segments.iter().zip(errors).map(after).min().unwrap_or(NEVER);
             if least < out[state] {
@@ -249,7 +358,7 @@ mod tests {
         };
         let names = ["angry", "normal", "sad"].map(str::to_owned).to_vec();
         let manners = Manners { names, of_states: vec![0, 0, 1, 1, 2], ..Manners::default() };
-        let manners = manners.with_delays(&graph, 10.0);
+        let manners = manners.with_delays(&graph, 10.0, &|_, _| 0.0);
         (graph, manners)
     }
 

@@ -1,7 +1,7 @@
 //! Views of a bundle that a step reads, checked once.
 
 use super::idle::{PathsToStand, TurnToStand, find_turns};
-use super::{answer::StandEntries, manner::Manners};
+use super::{answer::StandEntries, manner::Gaits, manner::Manners};
 use crate::body::{ClipRows, FramePosition, LaneBody, WINDOW, sample_number};
 use crate::format::{ClipRecord, FrameRow, RotationCode, Table};
 use crate::skeleton::{Joint, Skeleton};
@@ -44,6 +44,7 @@ pub struct MotionSet {
     /// Frames at which characters leave what they play when they are ordered to stand.
     pub(super) entries: Arc<StandEntries>,
     pub(super) manners: Arc<Manners>,
+    pub(super) gaits: Arc<Gaits>,
     pub(crate) policies: Arc<[PolicyTable]>,
     pub(crate) skeleton: Skeleton,
     /// The skeleton, in all lanes.
@@ -74,6 +75,7 @@ impl MotionSet {
             paths_to_stand: PathsToStand::find(tables.graph(), &manners, &turns, rate_hz).into(),
             turns: turns.into(),
             entries: Arc::default(),
+            gaits: Gaits::find(tables, &manners).into(),
             manners: manners.into(),
             policies: tables.policies().clone(),
             skeleton: tables.skeleton().clone(),

@@ -80,6 +80,8 @@ pub struct PolicyOrder {
     /// Counts where there are no behaviours.
     pub(super) stands: StandOrder,
     pub(super) manner: MannerName,
+    /// Speed on the way (m/s), 0 for that of the policies; none stays as it was.
+    pub(super) speed_mps: Option<f32>,
 }
 
 impl PolicyOrder {
@@ -95,6 +97,7 @@ impl PolicyOrder {
         layers: BodyLayers::NONE,
         stands: StandOrder::Follow,
         manner: MannerName::NONE,
+        speed_mps: None,
     };
 
     /// An order to stop as soon as the motion allows, and to stand at ease there.
@@ -155,6 +158,17 @@ impl PolicyOrder {
         Self { manner: MannerName::new(name), ..self }
     }
 
+    /// Orders a speed on the way (m/s), 0 for that which the policies prefer: of walking and running, people take that whose usual
+    /// speed in the motion is nearest to it, and slow down before they arrive. It stays with later orders that name none.
+    pub fn at_speed(self, speed_mps: f32) -> Self {
+        Self { speed_mps: Some(speed_mps), ..self }
+    }
+
+    /// The speed that is ordered (m/s), see [`PolicyOrder::at_speed`].
+    pub fn speed_mps(&self) -> Option<f32> {
+        self.speed_mps
+    }
+
     /// Replaces what the body does beside its motion.
     pub fn with_layers(self, layers: BodyLayers) -> Self {
         Self { layers, ..self }
@@ -195,6 +209,7 @@ impl PolicyOrder {
         if self.manner == MannerName::NONE {
             self.manner = old.manner;
         }
+        self.speed_mps = self.speed_mps.or(old.speed_mps);
         let since = old.age_s;
         (self.velocity, self.age_s) = (Vec3::ZERO, 0.0);
         if self.policies() != old.policies() || since > MOVES_S {
@@ -250,6 +265,8 @@ impl PolicyOrder {
         if let StandOrder::Turn(heading) = self.stands {
             check_value("heading", who, heading, heading.abs() < 1e6, "a finite number below 1e6 (rad)")?;
         }
+        let wanted = self.speed_mps.unwrap_or(0.0);
+        check_value("speed_mps", who, wanted, (0.0..100.0).contains(&wanted), "0 to 100 (m/s)")?;
         let speed = if self.velocity.is_nan() { f32::NAN } else { self.velocity.abs().max_element() };
         check_value("speed of the target", who, speed, speed <= FASTEST_MPS, "at most 12 (m/s)")?;
         let is_recent = (0.0..=2.0 * MOVES_S).contains(&self.age_s);

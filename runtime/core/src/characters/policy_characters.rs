@@ -149,6 +149,14 @@ impl PolicyCharacters {
         self.order(id, self.order_of(id)?.in_manner(name))
     }
 
+    /// Orders a character a speed, see [`PolicyOrder::at_speed`]; the rest of its order stays.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], or [`Error::Value`].
+    pub fn set_speed(&mut self, id: Id, speed_mps: f32) -> Result<()> {
+        self.order(id, self.order_of(id)?.at_speed(speed_mps))
+    }
+
     /// Name of the manner of the motion that a character plays; empty where no motion has one.
     ///
     /// # Errors
@@ -346,7 +354,7 @@ impl PolicyCharacters {
         // What is only written or measured besides changes no motion.
         let outputs = CharactersConfig { local_transforms: false, instances: false, ..self.characters.config };
         setup.add_bytes(format!("{outputs:?}").as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 11, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 12, setup: setup.finish() }
     }
 }
 

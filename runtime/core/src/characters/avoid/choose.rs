@@ -2,11 +2,12 @@
 
 use super::super::block::{MotionBlock, SCHEDULED};
 use super::super::control::{self, MAX_GOALS, OwnGoal};
+use super::super::manner::{MannerName, OrderedChoice};
 use super::super::transition::{SegmentChange, StartTransitionsJob};
 use super::super::{ActionChoice, Characters, CharactersConfig, PolicyOrder, pace};
 use super::path::{self, SegmentPlan};
 use super::steer::{NUM_DIRECTIONS, SteeringQuery};
-use super::{super::idle::StandingChooser, super::manner::MannerName, super::motion_set::MotionSet};
+use super::{super::idle::StandingChooser, super::motion_set::MotionSet};
 use super::{AvoidConfig, PathAvoidance, elapsed_s};
 use crate::policy::{self, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
 use crate::{body::RANGE_LEN, planar::Planar};
@@ -176,18 +177,20 @@ impl ChoosingCharacter<'_> {
         let segments = motion_set.graph.segments_of(self.state);
         let (order, chooser) = (self.order(), self.standing_chooser(b));
         let first = match self.goals {
-            _ if order.manner == MannerName::NONE => NO_ACTION,
+            _ if order.manner == MannerName::NONE && order.speed_mps.is_none() => NO_ACTION,
             [] => chooser.choose_stand(order).0,
             _ => self.ranked_actions(b, 0.0)[0],
         };
-        // Who stands, or is to stand, does so in any manner.
         let stays = first != NO_ACTION && chooser.stays(first);
-        let end = segments.get(usize::from(first)).map_or(self.state, |&s| motion_set.graph.segments[s as usize].end);
-        if let Some(manner) = motion_set.manners.wanted(order.manner, end).filter(|_| stays || !order.is_to_stand()) {
-            let aims =
-                |goal: &OwnGoal| (&motion_set.policies[goal.policy], goal.weight, self.target_seen_turned(goal, 0.0));
-            let worth = |segment| self.goals.iter().map(|g| control::worth_after(segment, aims(g))).sum();
-            let ranked = motion_set.manners.ranked_actions(&motion_set.graph, self.state, manner, worth);
+        let seen = |goal: &OwnGoal| self.target_seen_turned(goal, 0.0);
+        let left = match self.goals {
+            [goal] => control::way_left(motion_set, goal.policy, seen(goal)),
+            _ => None,
+        };
+        let aims = |goal: &OwnGoal| (&motion_set.policies[goal.policy], goal.weight, seen(goal));
+        let worth = |segment| self.goals.iter().map(|g| control::worth_after(segment, aims(g))).sum();
+        let choice = OrderedChoice { motion_set, order, state: self.state, chosen: first, stays, left };
+        if let Some(ranked) = choice.preferred(worth) {
             let num_tried = if stays { 1 } else { MAX_RANKED };
             let known = ranked.into_iter().take(num_tried);
             let known = known.filter(|&action| action != NO_ACTION && (!stays || chooser.stays(action)));
