@@ -1,11 +1,12 @@
 //! Orders to people of scenes, and changes of their brains.
 
-use crate::fault::{ThrongStatus, catch_fault, check_pointer, read_text};
+use crate::fault::{CallResult, ThrongStatus, catch_fault, check_pointer, read_text};
 use crate::scene::{ThrongId, check_size};
 use crate::stage::ThrongSimulation;
 use glam::{Vec2, Vec3};
 use std::ffi::c_char;
-use throng_base::error::check_value;
+use throng_base::error::{check_value, ensure};
+use throng_base::{Error, Id};
 use throng_runtime::simulation::Order;
 
 /// Order to a person of a scene: an agent, or a captured person on the way to a goal.
@@ -22,12 +23,18 @@ pub struct ThrongOrder {
     pub at: [f32; 3],
     /// Distance that is kept to `whom` (m); 0 for 1.5 m.
     pub keep_m: f32,
-    /// Desired speed of an agent from now on (m/s); 0 leaves it as it is.
+    /// Desired speed from now on (m/s); 0 leaves it as it is. Captured people take the gait that is nearest to it.
     pub speed_mps: f32,
     /// 1: it faces `heading` at its goal, or turns to it where it stops.
     pub faces: u32,
     /// Heading about +Y from +Z (rad).
     pub heading: f32,
+}
+
+/// Number of a person of a scene.
+fn person(id: ThrongId) -> CallResult<usize> {
+    ensure(id.generation == 0, || Error::Gone(Id::from(id)))?;
+    Ok(id.index as usize)
 }
 
 /// Gives a person of a scene an order, which holds until the next one, or until a rule of its brain lets it act.
@@ -63,7 +70,7 @@ pub unsafe extern "C" fn throng_people_order(
             order = order.arrive_facing(o.heading);
         }
         check_value("order.task", None, o.task, o.task <= 3, "0 to 3")?;
-        simulation.with(|stage| Ok(stage.scene_mut()?.order(id.index as usize, order)?))
+        simulation.with(|stage| Ok(stage.scene_mut()?.order(person(id)?, order)?))
     })
 }
 
@@ -80,7 +87,7 @@ pub unsafe extern "C" fn throng_people_raise(
     catch_fault(|| {
         // SAFETY: promised by the caller.
         let event = unsafe { read_text("event", event) }?;
-        simulation.with(|stage| Ok(stage.scene_mut()?.raise_event_for(id.index as usize, event)?))
+        simulation.with(|stage| Ok(stage.scene_mut()?.raise_event_for(person(id)?, event)?))
     })
 }
 
@@ -98,6 +105,6 @@ pub unsafe extern "C" fn throng_people_set_value(
     catch_fault(|| {
         // SAFETY: promised by the caller.
         let name = unsafe { read_text("name", name) }?;
-        simulation.with(|stage| Ok(stage.scene_mut()?.set_value(id.index as usize, name, value)?))
+        simulation.with(|stage| Ok(stage.scene_mut()?.set_value(person(id)?, name, value)?))
     })
 }

@@ -40,7 +40,9 @@ impl LiveSimulation {
     pub fn scene_mut(&mut self) -> CallResult<&mut Simulation> {
         match self {
             Self::Scene(scene) => Ok(scene),
-            Self::Characters { .. } => Err(unsupported("these are characters of a bundle; only scenes have events")),
+            Self::Characters { .. } => Err(unsupported(
+                "these are characters of a bundle; only scenes have orders to people, events and values",
+            )),
         }
     }
 

@@ -103,6 +103,8 @@ struct RouteProgress {
     least_left_m: f32,
     progressed_at_s: f64,
     has_arrived: bool,
+    /// True where others at its goal keep it from going on.
+    is_kept: bool,
     /// True where it waits before a closed door, or for its turn at a passage.
     waits: bool,
     /// Number of the closed door on its way, or 0.
@@ -246,7 +248,7 @@ impl Navigation {
     pub fn add_body(&mut self, route: &Route<Vec2>, at: Vec2) -> Result<usize> {
         let body = self.paths.len();
         let path = self.prepare_path(body, route, at)?;
-        self.progress.push(RouteProgress::begin(&path));
+        self.progress.push(RouteProgress::begin(&path, self.time_s));
         self.paths.push(path);
         self.uses.push(None);
         Ok(body)
@@ -261,7 +263,7 @@ impl Navigation {
         throng_base::error::check_index("body", None, body, self.paths.len())?;
         let path = self.prepare_path(body, route, at)?;
         self.paths[body].goals.iter().for_each(|&goal| self.goals.release(goal));
-        self.progress[body] = RouteProgress::begin(&path);
+        self.progress[body] = RouteProgress::begin(&path, self.time_s);
         self.paths[body] = path;
         Ok(())
     }
@@ -385,9 +387,15 @@ impl Navigation {
         let left_m = path.distance_left(cursor, position);
         let waits = progress.has_arrived || time_s - progress.progressed_at_s > SETTLES_S;
         let is_kept = !again && !has_arrived && waits && self.is_kept_from_goal(number, body, cursor);
+        let goes_on = progress.is_kept && !is_kept;
+        progress.is_kept = is_kept;
         if is_kept {
             // It has come as near as it can, and stands there.
             (cursor.aim, cursor.rest) = (position, 0.0);
+        }
+        if goes_on {
+            // Its aim was its own place.
+            (cursor.look_at, progress.least_left_m, progress.progressed_at_s) = (time_s, f32::INFINITY, time_s);
         }
         progress.has_arrived = again || has_arrived || is_kept;
         if again || progress.has_arrived || left_m < progress.least_left_m - PROGRESS_M {
@@ -589,7 +597,7 @@ impl Navigation {
 
 impl RouteProgress {
     /// Beginning of a route, on the way to its first subgoal.
-    fn begin(path: &RoutePath<Vec2>) -> Self {
+    fn begin(path: &RoutePath<Vec2>, time_s: f64) -> Self {
         let (aim, rest) = path.subgoal(0);
         let cursor = RouteCursor { leg: 0, aim, rest, look_at: 0.0 };
         Self {
@@ -597,8 +605,9 @@ impl RouteProgress {
             velocity: Vec2::ZERO,
             steers_at_s: 0.0,
             least_left_m: f32::INFINITY,
-            progressed_at_s: 0.0,
+            progressed_at_s: time_s,
             has_arrived: false,
+            is_kept: false,
             waits: false,
             door: 0,
         }

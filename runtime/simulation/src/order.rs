@@ -56,7 +56,7 @@ impl Order {
         Self::new(OrderTask::Follow(whom))
     }
 
-    /// To walk on at a velocity along x and z (m/s), as a player steers; captured people take its direction alone.
+    /// To walk on at a velocity along x and z (m/s), as a player steers.
     pub fn steer(velocity: Vec2) -> Self {
         Self::new(OrderTask::Steer(velocity))
     }
@@ -76,7 +76,7 @@ impl Order {
         Self { keep_m, ..self }
     }
 
-    /// Sets the desired speed from now on (m/s). Captured people have the speeds of their motion, and refuse it.
+    /// Sets the desired speed from now on (m/s). Captured people take the motion that is nearest to it.
     pub fn at_speed(self, speed_mps: f32) -> Self {
         Self { speed_mps: Some(speed_mps), ..self }
     }
@@ -91,7 +91,11 @@ impl Order {
         let id = Some(Id::first(who));
         let along = match self.task {
             OrderTask::Go(place) => place,
-            OrderTask::Steer(velocity) => velocity.extend(0.0) * 1e4,
+            OrderTask::Steer(velocity) => {
+                let good = velocity.is_finite() && velocity.length() < 100.0;
+                check_value("velocity", id, velocity.length(), good, "finite, below 100 m/s")?;
+                Vec3::ZERO
+            }
             OrderTask::Follow(whom) => {
                 check_index("whom it follows,", id, whom, num)?;
                 check_value("whom it follows", id, whom as f64, whom != who, "somebody else")?;
@@ -101,18 +105,20 @@ impl Order {
         };
         let good = |v: f32| v.abs() < 1e6;
         let worst = along.to_array().into_iter().find(|&v| !good(v));
-        let expected = "finite, within 1e6 m or 100 m/s";
-        check_value("place or velocity", id, worst.unwrap_or(0.0), worst.is_none(), expected)?;
-        let [keep_m, speed] = [self.keep_m, self.speed_mps.unwrap_or(0.0)];
+        check_value("place", id, worst.unwrap_or(0.0), worst.is_none(), "finite, within 1e6 m")?;
+        let [keep_m, speed] = [self.keep_m, self.speed_mps.unwrap_or(1.0)];
         check_value("keep_m", id, keep_m, (0.1..1e3).contains(&keep_m), "0.1 to 1000 m")?;
-        check_value("speed_mps", id, speed, (0.0..100.0).contains(&speed), "0 to 100 m/s")?;
+        check_value("speed_mps", id, speed, (0.01..100.0).contains(&speed), "0.01 to 100 m/s")?;
         let heading = self.heading.unwrap_or(0.0);
         check_value("heading", id, heading, heading.abs() < 1e6, "finite and within 1e6 rad")
     }
 
-    /// Desired speed from now on (m/s).
+    /// Speed of this order (m/s), none for the person's own.
     pub(crate) fn speed_mps(&self) -> Option<f32> {
-        if let OrderTask::Steer(velocity) = self.task { Some(velocity.length()) } else { self.speed_mps }
+        match self.task {
+            OrderTask::Steer(velocity) => Some(velocity.length()).filter(|speed| *speed > DIRECTION_SHOWN_MPS),
+            _ => self.speed_mps,
+        }
     }
 
     /// True for one that leads straight on.

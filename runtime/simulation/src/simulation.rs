@@ -262,9 +262,15 @@ impl Simulation {
                 busy[c] += begin.elapsed().as_secs_f64();
             }
         }
-        for e in self.events.iter().filter(|e| e.kind == CharacterEvent::Arrived) {
-            if let Some((Order { heading: Some(heading), .. }, Some(_))) = self.orders[e.who] {
-                let (c, number) = place_of(&self.firsts, e.who);
+        for e in 0..self.events.len() {
+            let SimulationEvent { who, kind, .. } = self.events[e];
+            if kind == CharacterEvent::Left || self.is_taken_over(who) {
+                self.orders[who] = None;
+            }
+            if let (CharacterEvent::Arrived, Some((Order { heading: Some(heading), .. }, Some(_)))) =
+                (kind, self.orders[who])
+            {
+                let (c, number) = place_of(&self.firsts, who);
                 self.character_groups[c].turn_to(number, heading)?;
             }
         }
@@ -531,6 +537,8 @@ impl Simulation {
     /// [`Error::Text`] with the group of people who take no orders; nothing has changed then.
     pub fn order(&mut self, who: usize, order: Order) -> Result<()> {
         order.check(who, self.num_characters())?;
+        let whom = order.whom().filter(|whom| self.root(*whom).is_none());
+        whom.map_or(Ok(()), |whom| Err(Error::Gone(Id::first(whom))))?;
         let goal = self.give_order(who, order)?;
         self.orders[who] = Some((order, goal));
         Ok(())
@@ -550,14 +558,17 @@ impl Simulation {
                 return Ok(Some(goal));
             }
         }
+        if order.is_steered() && matches!(given, Err(Error::NoPath { .. })) {
+            // A wall is at hand: it stands at it.
+            given = Ok(());
+        }
         given.and_then(|()| self.character_groups[c].order(number, None, &order.facing(&own, other))).map(|()| None)
     }
 
     /// Gives orders again whose goals have moved; who cannot get there any more goes on as before.
     fn renew_orders(&mut self) {
         for who in 0..self.orders.len() {
-            if self.orders[who].is_some() && self.brain_of(who).is_some_and(|(brains, number)| brains.acts(number)) {
-                // A rule has taken its place.
+            if self.is_taken_over(who) {
                 self.orders[who] = None;
             }
             let Some((order, before)) = self.orders[who].filter(|(order, _)| order.is_renewed()) else { continue };
@@ -571,6 +582,11 @@ impl Simulation {
                 self.orders[who] = Some((order, goal));
             }
         }
+    }
+
+    /// True where a rule has taken the place of an order.
+    fn is_taken_over(&self, who: usize) -> bool {
+        self.orders[who].is_some() && self.brain_of(who).is_some_and(|(brains, number)| brains.acts(number))
     }
 
     /// Position of a person on its floor; none where it has left (m).

@@ -21,6 +21,8 @@ use throng_level::Level;
 
 /// Distance of the target from a character that is on its way: so far that its policy does not slow down at a corner (m).
 const TARGET_AHEAD_M: f32 = 2.0;
+/// Time at the speed that it is ordered for which its target is ahead, likewise (s).
+const TARGET_AHEAD_S: f32 = 2.5;
 /// Poses in which a character is tried to be placed at its start.
 const POSES_TRIED: usize = 16;
 /// Distance from the goal at which a character goes straight there (m).
@@ -82,7 +84,7 @@ struct TravelOrder {
 }
 
 /// Snapshot of travels, around one of the characters.
-const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 5, setup: 0 };
+const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 6, setup: 0 };
 
 impl Travellers {
     /// Creates groups with one bundle, with all characters in place.
@@ -276,14 +278,16 @@ impl Travellers {
 
 /// Target of a character on its way: its goal where that is near, else a point ahead along the velocity that navigation gives, so
 /// far that its policy does not slow down before it; its own place where it should wait.
-fn target_ahead(place: Vec2, aim: &NavigationAim) -> Vec3 {
+///
+/// - `wanted_mps`: speed that it is ordered, 0 where it is not (m/s).
+fn target_ahead(place: Vec2, aim: &NavigationAim, wanted_mps: f32) -> Vec3 {
     let (left_m, speed) = (place.distance(aim.position) + aim.rest_m, aim.velocity.length());
     let target = if left_m < GOAL_NEAR_M || aim.has_arrived {
         aim.position
     } else if speed < WAITS_BELOW_MPS {
         place
     } else {
-        place + aim.velocity * (TARGET_AHEAD_M.min(left_m) / speed)
+        place + aim.velocity * (TARGET_AHEAD_M.max(TARGET_AHEAD_S * wanted_mps).min(left_m) / speed)
     };
     Vec3::new(target.x, 0.0, target.y)
 }
@@ -408,15 +412,18 @@ impl MotionKind for Travellers {
         self.targets.clear();
         for (id, root) in self.people.ids().iter().zip(self.people.bodies().roots) {
             let (aim, place) = (self.navigation.aim(id.index()), Vec2::new(root.x, root.z));
-            self.targets.push(target_ahead(place, &aim));
+            let wanted_mps = self.people.order_of(*id)?.speed_mps().unwrap_or(0.0);
+            self.targets.push(target_ahead(place, &aim, wanted_mps));
             let travel = &mut self.travels[id.index()];
             if aim.has_arrived && !travel.has_arrived {
                 events.push(tick.event(id.index(), CharacterEvent::Arrived));
             }
-            if aim.is_stuck && !travel.is_stuck {
+            // Who has arrived by an order, and stops there, is not stuck where that is a step beyond.
+            let is_stuck = aim.is_stuck && !(travel.order.is_some() && travel.has_arrived);
+            if is_stuck && !travel.is_stuck {
                 events.push(tick.event(id.index(), CharacterEvent::Stuck));
             }
-            (travel.has_arrived, travel.is_stuck) = (travel.has_arrived || aim.has_arrived, aim.is_stuck);
+            (travel.has_arrived, travel.is_stuck) = (travel.has_arrived || aim.has_arrived, is_stuck);
         }
         self.people.aim_all(&self.targets, &self.targets).map_err(|e| self.fault(e))?;
         self.people.step(tick.dt_s, tick.run).map_err(|e| self.fault(e))?;
@@ -472,16 +479,13 @@ impl MotionKind for Travellers {
     fn order(&mut self, number: usize, goal: Option<(Vec3, f32)>, order: &Order) -> Result<()> {
         let id = Id::first(number);
         let row = self.row(number).ok_or(Error::Gone(id))?;
-        let why = "its people have the speeds of their motion: give no speed, or take `motion = \"blend\"`";
-        let key = format!("groups[{}]", self.layout.groups[number]);
-        ensure(order.speed_mps.is_none(), || self.scene.fault(&key, why))?;
         let root = self.people.bodies().roots[row];
         let at = Vec3::new(root.x, self.people.characters().floor_m(row), root.z);
         let (to, arrival_m) = goal.unwrap_or((at, GOAL_NEAR_M));
         let travel = TravelOrder { to, at, arrival_m };
         let way = Capsule2d { from: at.xz(), to: to.xz(), radius_m: BODY_RADIUS_M };
-        let walls = self.scene.environment.walls_and_closed_doors(&self.open_doors);
-        let is_open = !order.is_steered() || !walls.iter().any(|wall| wall.intersects(&way));
+        let walls = || self.scene.environment.walls_and_closed_doors(&self.open_doors);
+        let is_open = !order.is_steered() || !walls().iter().any(|wall| wall.intersects(&way));
         ensure(is_open, || Error::NoPath { who: Some(id), from: at, to })?;
         let set = self.set_route(number, Some(&travel));
         let order_now = if set.is_ok() { Some(travel) } else { self.travels[number].order };
@@ -490,7 +494,9 @@ impl MotionKind for Travellers {
         }
         self.travels[number] = TravelState { order: order_now, has_arrived: goal.is_none(), is_stuck: false };
         let stand = order.heading.map_or(PolicyOrder::STOP, PolicyOrder::turn_to);
-        self.people.order(id, if goal.is_some() { self.begins[number].0.with_target(at) } else { stand })
+        let before = self.people.order_of(id)?.target();
+        let new = if goal.is_some() { self.begins[number].0.with_target(before) } else { stand };
+        self.people.order(id, order.speed_mps().map_or(new, |speed| new.at_speed(speed)))
     }
 
     fn turn_to(&mut self, number: usize, heading: f32) -> Result<()> {

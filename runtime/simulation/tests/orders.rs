@@ -2,6 +2,7 @@
 
 use crate::snapshot::scenes::{PATCHES, TRAVELLERS, boxing, compile};
 use glam::{Vec2, Vec3};
+use throng_base::Error;
 use throng_simulation::{CharacterEvent, Order, Simulation};
 
 const AGENTS: &str = r#"
@@ -103,12 +104,31 @@ fn agents_follow_and_are_steered() {
     // A wall is in the way: it stops there.
     sim.order(1, Order::steer(Vec2::new(2.0, 0.0))).unwrap();
     step(&mut sim, 6.0);
-    assert!(at(&sim, 1).x < 0.0, "{}", at(&sim, 1));
+    let stands = at(&sim, 1);
+    assert!((-1.5..0.0).contains(&stands.x), "{stands}");
+    sim.order(1, Order::steer(Vec2::new(2.0, 0.0))).unwrap();
+    step(&mut sim, 2.0);
+    assert!(at(&sim, 1).distance(stands) < 0.3, "a wall at hand is no error, and nobody goes through it");
     sim.order(3, Order::steer(Vec2::ZERO)).unwrap();
     step(&mut sim, 2.0);
     let stands = at(&sim, 3);
     step(&mut sim, 2.0);
     assert!(at(&sim, 3).distance(stands) < 0.05);
+    // Speeds of steering end with it.
+    for slowly in [0.0, 0.2] {
+        sim.order(3, Order::steer(Vec2::new(slowly, 0.0))).unwrap();
+        step(&mut sim, 1.0);
+        let goal = at(&sim, 3) + Vec2::new(0.0, -6.0);
+        sim.order(3, Order::go(Vec3::new(goal.x, 0.0, goal.y))).unwrap();
+        step(&mut sim, 9.0);
+        assert!(at(&sim, 3).distance(goal) < 0.8, "after {slowly} m/s it is {} m off", at(&sim, 3).distance(goal));
+    }
+    // What is refused changes nothing.
+    let before = sim.snapshot();
+    let told = sim.order(3, Order::go(Vec3::new(0.0, 0.0, 0.0))).unwrap_err();
+    assert!(matches!(told, Error::NoPath { .. }) && sim.snapshot() == before, "{told}");
+    let told = sim.order(3, Order::steer(Vec2::new(200.0, 0.0))).unwrap_err().to_string();
+    assert!(told.contains("velocity") && told.contains("200"), "{told}");
 }
 
 #[test]

@@ -40,9 +40,12 @@ pub fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64, is_mean
     }
     let message = format!("at {metres_per_unit} m a unit the body is {height:.2} m tall, which no person is");
     let right = rounded(metres_per_unit * f64::from(ADULT_HEIGHT / height));
-    let help = format!(
-        "`--metres-per-unit {right}`, or `import.metres_per_unit`, makes it {ADULT_HEIGHT} m tall; leave out what is no person"
-    );
+    let help = match height > 0.0 && height.is_finite() {
+        true => format!(
+            "`--metres-per-unit {right}`, or `import.metres_per_unit`, makes it {ADULT_HEIGHT} m tall; leave out what is no person"
+        ),
+        false => "check the lengths of its segments".to_owned(),
+    };
     Err(content_error(&clip.path, message, &help))
 }
 

@@ -167,6 +167,7 @@ impl<V: Space> Decider<'_, V> {
         if self.is_kept_from_goal(agent, &state, &walker, &mut scratch.room) {
             // Who stands nearer to the goal keeps it from going on: it has come as near as it can.
             (walker.speed, state.is_there, state.is_stuck) = (0.0, true, false);
+            (state.progressed_at, state.least_left) = (self.time, walker.distance_left);
         }
         state.intent = if state.is_there { V::default() } else { walker.desired };
         state.waits = self.take_turns(agent, &mut state, &mut walker, &mut scratch.room);

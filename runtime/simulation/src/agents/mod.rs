@@ -170,7 +170,7 @@ impl<V: Space> SceneAgents<V> {
             let (what, name) = match change {
                 BrainChange::Event(name) | BrainChange::Learn(name) => ("event", name),
                 BrainChange::Value(name, _) => ("value", name),
-                BrainChange::Suspend => return Ok(()),
+                BrainChange::Suspend(_) => return Ok(()),
             };
             return Err(Error::Unknown { what, name: name.into(), known: Vec::new() });
         };
@@ -349,10 +349,10 @@ impl<V: Space> MotionKind for SceneAgents<V> {
             None => true,
         };
         ensure(goes, || Error::NoPath { who: Some(Id::first(number)), from, to: goal.map_or(from, |(at, _)| at) })?;
-        if let Some(speed) = order.speed_mps() {
-            self.stage.set_speed(agent, speed)?;
-        }
-        self.change_brain(number, BrainChange::Suspend)?;
+        self.change_brain(number, BrainChange::Suspend(order.speed_mps))?;
+        let own = || self.brains.as_ref().map_or(self.stage.layout.setup.agents[number].speed, |b| b.own_speed(number));
+        let speed = order.speed_mps().unwrap_or_else(own);
+        self.stage.set_speed(agent, speed)?;
         self.stage.show_activity(agent, None, None);
         match (goal, order.heading) {
             (Some(_), _) => Ok(()),

@@ -145,14 +145,16 @@ impl<V: Space> CrowdStage<V> {
     fn order(&mut self, agent: u32, order: AgentOrder) -> Result<bool> {
         let m = agent as usize;
         let Some(id) = self.present_id(agent) else { return Ok(false) };
-        self.sent[m] += 1;
         let begin = self.paths_s.map(|_| Instant::now());
         let ordered = self.crowd.order(id, order);
         if let (Some(paths_s), Some(begin)) = (&mut self.paths_s, begin) {
             *paths_s += begin.elapsed().as_secs_f64();
         }
         match ordered {
-            Ok(()) => self.crowd.wake(id).map(|()| true).map_err(|e| self.layout.explain_crowd_error(&e)),
+            Ok(()) => {
+                self.sent[m] += 1;
+                self.crowd.wake(id).map(|()| true).map_err(|e| self.layout.explain_crowd_error(&e))
+            }
             Err(CrowdError::Goal { .. } | CrowdError::Inside { .. } | CrowdError::Other(Error::NoPath { .. })) => {
                 Ok(false)
             }
@@ -192,13 +194,15 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
 
     fn order_walk(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool> {
         let then = if leaves { AtEnd::Leave } else { AtEnd::Stay };
-        if let Some(from) = self.current_position(agent) {
+        let from = self.current_position(agent);
+        let goes = self.order(agent, AgentOrder::to_goal(at).with_arrival(arrival_m).then_at_end(then))?;
+        if let (true, Some(from)) = (goes, from) {
             let path = &mut self.layout.paths[agent as usize];
             path.clear();
             path.extend([from, V::from_world(at)]);
             self.layout.arrivals[agent as usize] = arrival_m;
         }
-        self.order(agent, AgentOrder::to_goal(at).with_arrival(arrival_m).then_at_end(then))
+        Ok(goes)
     }
 
     fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool, begin: Option<u32>) -> Result<bool> {

@@ -290,6 +290,11 @@ impl AgentBrains {
         self.brains[agent].action != NONE
     }
 
+    /// Desired speed of an agent beside its actions (m/s, agent < number of agents).
+    pub(crate) fn own_speed(&self, agent: usize) -> f32 {
+        self.brains[agent].speed
+    }
+
     /// True where there are no agents.
     pub fn is_empty(&self) -> bool {
         self.brains.is_empty()

@@ -31,7 +31,7 @@ pub(crate) enum BrainChange<'a> {
     /// A value of the agent is set.
     Value(&'a str, f32),
     /// What the agent does ends; it stands until a rule lets it act.
-    Suspend,
+    Suspend(Option<f32>),
 }
 
 impl AgentBrains {
@@ -106,7 +106,11 @@ impl AgentBrains {
                 let number = values.number_of(name).ok_or_else(unknown)?;
                 self.change_value(agent, number as u16, |feeling| feeling.value = value);
             }
-            BrainChange::Suspend => self.suspend(stage, agent)?,
+            BrainChange::Suspend(speed_mps) => {
+                self.suspend(stage, agent)?;
+                let brain = &mut self.brains[agent as usize];
+                brain.speed = speed_mps.unwrap_or(brain.speed);
+            }
         }
         self.process_stimuli(stage)
     }

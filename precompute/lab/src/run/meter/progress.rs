@@ -192,9 +192,8 @@ impl<V: Space> AgentProgress<V> {
             self.stayed_since = (at, time_s);
         }
         if sight.remaining_m < self.nearest.0 - STUCK_M {
-            self.nearest = (sight.remaining_m, time_s);
+            (self.nearest, self.waits_since_s) = ((sight.remaining_m, time_s), time_s);
         }
-        self.waits_since_s = if sight.waits { self.waits_since_s } else { time_s };
         if sight.waits && time_s - self.waits_since_s <= MOST_WAIT_S {
             // It gives way while it waits, and regains that ground later.
             self.stayed_since = (at, time_s);
