@@ -24,6 +24,10 @@ const CHANGE_FRAMES: f32 = 600.0;
 const GAITS: [(Gait, &str); 2] = [(Gait::Walk, "walk"), (Gait::Run, "run")];
 /// Difference of velocities by which an action is e times worse (m/s).
 const SPEED_MPS: f32 = 0.5;
+/// Share of the mean speed of running from which motion serves whoever is ordered to run.
+const SERVES: f32 = 0.9;
+/// Share of that speed beyond which no motion is sought.
+const FASTER: f32 = 1.5;
 /// Share of the time that a change of manner is worth on the way to a gait.
 const OTHER_MANNER: f32 = 0.25;
 /// Least worth of an action for goals, and share that it keeps which leaves the manner that is ordered.
@@ -225,11 +229,17 @@ impl Gaits {
         Self { sorted, means }
     }
 
-    /// Number in `sorted` of the gait for a speed, and its mean speed (m/s).
-    fn gait_at(&self, speed_mps: f32) -> Option<(usize, f32)> {
-        let known = self.means.iter().zip(GAITS).filter_map(|(mean, (_, name))| Some(((*mean)?, name)));
-        let nearest = known.min_by(|a, b| (a.0 - speed_mps).abs().total_cmp(&(b.0 - speed_mps).abs()))?;
-        Some((self.sorted.find_name(MannerName::new(nearest.1))?, nearest.0))
+    /// Number in `sorted` of the gait for a speed, the speed that is sought in it, and that from which its motion serves (m/s): whoever
+    /// is to run does not jog where there is more.
+    fn gait_at(&self, speed_mps: f32) -> Option<(usize, f32, f32)> {
+        let known = (0..GAITS.len()).filter_map(|gait| Some((gait, self.means[gait]?)));
+        let (gait, mean) = known.min_by(|a, b| (a.1 - speed_mps).abs().total_cmp(&(b.1 - speed_mps).abs()))?;
+        let number = self.sorted.find_name(MannerName::new(GAITS[gait].1))?;
+        Some(if GAITS[gait].0 == Gait::Run {
+            (number, speed_mps.clamp(mean, FASTER * mean), SERVES * mean)
+        } else {
+            (number, mean, 0.0)
+        })
     }
 }
 
@@ -261,17 +271,21 @@ impl OrderedChoice<'_> {
             }
         }
         let speed = order.speed_mps.filter(|speed| *speed > 0.0 && !self.stays)?;
-        let (left, (gait, mean)) = (self.left?, gaits.gait_at(speed)?);
+        let (left, (gait, wanted_mps, least)) = (self.left?, gaits.gait_at(speed)?);
         // Who is near slows down as its policy says.
-        let stop_m = speed * motion_set.stops.stops[end as usize].frames as f32 / motion_set.rate_hz;
-        if left.length() < stop_m + NEAR_M || gaits.sorted.goes_on(end, gait) {
+        let stop_m = wanted_mps * motion_set.stops.stops[end as usize].frames as f32 / motion_set.rate_hz;
+        let velocity = |segment: &MotionSegment| {
+            let [x, z, _] = segment.displacement;
+            Vec2::new(x, z) * (motion_set.rate_hz / segment.num_frames.max(1) as f32)
+        };
+        let is_fast = segment.is_some_and(|s| velocity(&graph.segments[s as usize]).length() >= least);
+        if left.length() < stop_m + NEAR_M || is_fast && gaits.sorted.goes_on(end, gait) {
             return None;
         }
-        let wanted = left.normalize_or_zero() * mean;
+        let wanted = left.normalize_or_zero() * wanted_mps;
         let share = |s: u32| {
             let segment = &graph.segments[s as usize];
-            let [x, z, _] = segment.displacement;
-            let off = Vec2::new(x, z) * (motion_set.rate_hz / segment.num_frames.max(1) as f32) - wanted;
+            let off = velocity(segment) - wanted;
             let change = OTHER_MANNER * manners.change_frames(state, segment.end) / motion_set.rate_hz;
             let keeps = order.manner == MannerName::NONE || manners.are_alike(end, segment.end);
             maths::exp(-off.length() / SPEED_MPS - change / URGENCY_S) * if keeps { 1.0 } else { LEAST_WORTH }
