@@ -326,7 +326,7 @@ typedef struct ThrongOrder {
    */
   float keep_m;
   /**
-   * Desired speed of an agent from now on (m/s); 0 leaves it as it is.
+   * Desired speed from now on (m/s); 0 leaves it as it is. Captured people take the gait that is nearest to it.
    */
   float speed_mps;
   /**
@@ -711,6 +711,13 @@ enum ThrongStatus throng_characters_turn_to(struct ThrongSimulation simulation, 
 enum ThrongStatus throng_characters_set_manner(struct ThrongSimulation simulation,
                                                struct ThrongId id,
                                                const char *manner);
+
+/**
+ * Orders a character a speed on its way, which stays; it takes the gait whose usual speed is nearest to that.
+ *
+ * @param speed_mps 0 for that which its policy prefers (m/s).
+ */
+enum ThrongStatus throng_characters_set_speed(struct ThrongSimulation simulation, struct ThrongId id, float speed_mps);
 
 /**
  * Progress of a character's order.
