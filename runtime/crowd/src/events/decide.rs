@@ -309,9 +309,11 @@ impl<V: Space> Decider<'_, V> {
             return false;
         }
         let within_m = SETTLES_WITHIN_M[usize::from(was_there)];
+        // Who has arrived may stand where it stopped, within the same place.
+        let same_m = path.route.arrival_radius.max(SAME_GOAL_M);
         self.is_behind_one(agent, walker, path.goal(), within_m, room, |its| {
             let its_goal = self.scenery.paths[its.route as usize].goal();
-            its.is_there && (its_goal - path.goal()).length_squared() < SAME_GOAL_M * SAME_GOAL_M
+            its.is_there && (its_goal - path.goal()).length_squared() < same_m * same_m
         })
     }
 

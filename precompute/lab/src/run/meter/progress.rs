@@ -169,7 +169,9 @@ impl<V: Space> AgentProgress<V> {
             // It has left at its goal.
             self.has_arrived = true;
             self.stands = false;
-            return (if sight.path.is_empty() { 0.0 } else { self.remaining_m }, spent);
+            // Who is away from its goal when it leaves has not come there.
+            let gained = self.remaining_m.min(sight.arrival_m + STUCK_M);
+            return (if sight.path.is_empty() { 0.0 } else { gained }, spent);
         };
         let step_m = (at - std::mem::replace(&mut self.at, at)).length();
         self.stands = f64::from(step_m) < STANDING_MPS_F64 * spent;
@@ -342,6 +344,24 @@ mod tests {
             let stuck = [meter.stuck(), meter.stuck_at(f64::from(seconds)), meter.arrived()];
             assert_eq!(stuck, [num, num, 1], "after {seconds} s");
         }
+    }
+
+    #[test]
+    fn who_waits_on_and_off_for_minutes_is_stuck_and_who_leaves_elsewhere_has_not_come_there() {
+        let mut meter = ProgressMeter::default();
+        for i in 0..=100 * 30 {
+            let waits = AgentSample { waits: i / 30 % 50 != 0, ..sight(Some(Vec2::new(4.0, 0.0)), false) };
+            meter.observe(f64::from(i) / 30.0, std::iter::once(waits));
+        }
+        assert_eq!(meter.stuck(), 1);
+        let mut meter = ProgressMeter::default();
+        let path = [Vec2::ZERO, Vec2::new(30.0, 0.0)];
+        for i in 0..=30 {
+            let at = (i < 30).then(|| Vec2::new(0.1, 0.0));
+            let leaves = AgentSample { path: &path, remaining_m: 29.9, ..sight(at, false) };
+            meter.observe(f64::from(i) / 30.0, std::iter::once(leaves));
+        }
+        assert!(meter.progress_mps() < 1.4, "{} m/s of one that never walked", meter.progress_mps());
     }
 
     #[test]
