@@ -162,7 +162,7 @@ fn a_rule_acts_on_one_agent_alone() {
         (sim.order(0, Order::follow(4)), "there are 4"),
         (sim.order(0, Order::go(Vec3::NAN)), "finite"),
         (sim.order(0, Order::steer(Vec2::new(0.0, 200.0))), "100 m/s"),
-        (sim.order(0, Order::go(Vec3::ZERO).at_speed(-1.0)), "0 to 100"),
+        (sim.order(0, Order::go(Vec3::ZERO).at_speed(-1.0)), "0.01 to 100"),
         (sim.order(0, Order::turn_to(f32::INFINITY)), "finite"),
         (sim.order(0, Order::go(Vec3::new(0.0, 0.0, 2.0))), "no way"),
     ];

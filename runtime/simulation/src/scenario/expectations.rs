@@ -409,15 +409,21 @@ impl ExpectationMeter {
             ExpectedStatistic::Mean => {
                 return all.iter().map(|v| f64::from(*v)).sum::<f64>() / all.len() as f64;
             }
-            ExpectedStatistic::Share => all.iter().filter(|v| v.is_finite()).count() as f32 / all.len() as f32,
+            ExpectedStatistic::Share => {
+                return all.iter().filter(|v| v.is_finite()).count() as f64 / all.len() as f64;
+            }
         })
     }
 }
 
-/// Distance of a value beyond the bounds of an expectation; a value that is never reached is beyond all.
+/// Distance of a value beyond the bounds of an expectation; a value that is never reached is beyond all. Of a share only those count.
 fn excess(config: &ExpectConfig, value: f64) -> f64 {
     let [least, most] = config.bounds();
-    if value.is_infinite() { f64::INFINITY } else { (least - value).max(value - most) }
+    match config.statistic() {
+        _ if value.is_infinite() => f64::INFINITY,
+        ExpectedStatistic::Share => 0.0,
+        _ => (least - value).max(value - most),
+    }
 }
 
 impl ExpectationMeters {

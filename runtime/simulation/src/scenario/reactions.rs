@@ -84,7 +84,20 @@ impl AgentBrains {
                 return Ok(());
             }
         }
+        if upwards && self.waits_for_condition(m) {
+            self.brains[m].acts_again_at_s = self.now + RETRY_S;
+        }
         Ok(())
+    }
+
+    /// True for an agent whose state has ended, and may be left when a condition comes true: it looks again then.
+    fn waits_for_condition(&self, m: usize) -> bool {
+        let scenario = &self.scenario;
+        let [first, last] = scenario.rules_of[usize::from(trigger::DONE)];
+        let own = self.brains[m].states.iter().filter_map(|state| scenario.states.get(usize::from(*state)));
+        let mut edges = own.flat_map(|s| &scenario.edges[s.edges[0] as usize..s.edges[1] as usize]);
+        // Rules on the end of a behaviour act once.
+        first == last && edges.any(|edge| edge.trigger == trigger::DONE && edge.when.is_some())
     }
 
     /// Follows the first rule that fits; true where its behaviour lasts.

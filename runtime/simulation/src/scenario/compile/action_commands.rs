@@ -222,7 +222,11 @@ impl ScenarioCompiler<'_> {
                     "arrow" if has_arrow => ActionOperand::Arrow,
                     "other" if has_other => ActionOperand::Spot(SpotName::Other),
                     "place" if has_place => ActionOperand::Spot(SpotName::Here),
-                    "other" => return expected("somewhere: this event has no `other`; one with `passed_on` has"),
+                    "other" => {
+                        return expected(
+                            "somewhere: nothing that leads here has an `other`; `meets`, and events with `passed_on`, have",
+                        );
+                    }
                     "place" | "arrow" => return expected(&format!("somewhere: there is no `{text}` for this event")),
                     name if is_person => return expected(&format!("`other` or a place: `{name}` is neither")),
                     name => ActionOperand::Spot(SpotName::Place(self.name_number(NameKind::Place, name, key)?)),

@@ -41,7 +41,9 @@ impl ScenarioCompiler<'_> {
                     None if below == NONE => return compile_fault(key, "expected `do` or `graph`, found neither"),
                     None => NONE,
                     Some(does) => {
+                        let has_other = self.may_have_other(name, graph, state)?;
                         self.set_scope(trigger::DONE);
+                        self.out.names.has_other = has_other;
                         let (first, is_instant) = self.compile_behaviour(does, &format!("{key}.do"))?;
                         if below != NONE && !is_instant {
                             let why = "before a graph, expected actions that take no time";
@@ -103,6 +105,22 @@ impl ScenarioCompiler<'_> {
             }
         }
         Ok(())
+    }
+
+    /// True for a state into which an event with another agent may lead; a graph below others is entered with their events.
+    fn may_have_other(&mut self, name: &str, graph: &StateGraphConfig, state: &str) -> CompileResult<bool> {
+        let is_below = |g: &StateGraphConfig| g.states.values().any(|s| s.graph.as_deref() == Some(name));
+        if self.scene.graphs.values().any(is_below) {
+            return Ok(true);
+        }
+        for (i, edge) in graph.edges.iter().enumerate().filter(|(_, edge)| edge.to == state) {
+            let trigger = self.trigger_number(&edge.on, &format!("graphs.{name}.edges[{i}].on"))?;
+            self.set_scope(trigger);
+            if trigger != trigger::DONE && self.out.names.has_other {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Checks that every state of a graph can be reached from its start.

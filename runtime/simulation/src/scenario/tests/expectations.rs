@@ -392,3 +392,38 @@ fn a_line_that_begins_at_its_till_is_refused() {
     let told = open(4.7).unwrap_err().to_string();
     assert!(told.contains("a.toml") && told.contains("bar the till"), "{told}");
 }
+
+#[test]
+fn a_share_counts_exactly_and_names_those_that_lack_alone() {
+    let ten = WALKERS.replace("count = 8", "count = 10");
+    let that = "that.passes = [\"me.number > 0\"]\nleast = ";
+    assert!(outcome(&ten, &format!("{that}0.9")).holds, "nine of ten are 0.9");
+    let broken = outcome(&ten, &format!("{that}0.95"));
+    let named: Vec<usize> = broken.worst.iter().map(|w| w.agent).collect();
+    assert!(!broken.holds && named == [0], "{broken:?}");
+}
+
+#[test]
+fn a_state_that_has_ended_is_left_when_the_condition_of_an_edge_comes_true() {
+    let scene = WALKERS.replace("goal = { shift = { by = [20.0, 0.0] } }", "graph = \"g\"")
+        + "[graphs.g]\nlevel = \"social\"\nstart = \"wait\"\n\
+           edges = [{ from = \"wait\", to = \"off\", when = \"time > 8\" }]\n\
+           [graphs.g.states]\nwait = { do = [{ stay = 1 }] }\noff = { do = [{ go = [30.0, 2.0], within_m = 3.0 }] }\n";
+    assert!(outcome(&scene, "that.passes = [\"me.x > 10\"]").holds);
+    assert!(outcome(&scene, "that.never = \"me.x > 8 and time < 9\"").holds);
+}
+
+#[test]
+fn who_finds_a_place_full_of_others_does_not_go_round_it() {
+    for count in ["count = 12", "count = 20"] {
+        let scene = WALKERS
+            .replace("seconds = 20.0", "seconds = 90.0")
+            .replace("count = 8", count)
+            .replace("6.0, 4.0", "10.0, 8.0")
+            .replace("goal = { shift = { by = [20.0, 0.0] } }", "graph = \"g\"")
+            + "[[places]]\nname = \"tree\"\nat = [18.0, 4.0]\nradius_m = 1.0\n[graphs.g]\nlevel = \"social\"\n\
+               start = \"c\"\n[graphs.g.states]\nc = { do = [{ go = \"tree\" }, { stay = 1000 }] }\n";
+        let rest = outcome(&scene, "that.amount = \"me.speed\"\ntake = \"p90\"\nbetween_s = [60, 90]\nmost = 0.5");
+        assert!(rest.holds, "{count}: they go on at {:.2} m/s", rest.figure);
+    }
+}
