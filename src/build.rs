@@ -172,9 +172,13 @@ pub fn print(r: &BuildReport, trial: Option<&TrialReport>, out: &str) -> Command
     ]);
     rows.extend(g.left_out.iter().map(|l| ("left out", l.to_string())));
     rows.extend(g.apart.iter().map(|a| ("stays out", a.to_string())));
+    let plain = |m: &String| if m.is_empty() { "plain".to_owned() } else { m.clone() };
+    rows.extend(g.joined.iter().map(|(manner, error)| {
+        let text = format!("{} is joined by transitions of up to {error:.2} rad (`graph.join_error`)", plain(manner));
+        ("manners", format!("{text}: nothing nearer leads there and back"))
+    }));
     if !g.thin_manners.is_empty() {
-        let named = g.thin_manners.iter().map(|m| if m.is_empty() { "plain" } else { m.as_str() });
-        let thin = named.collect::<Vec<_>>().join(", ");
+        let thin = g.thin_manners.iter().map(plain).collect::<Vec<_>>().join(", ");
         let text = format!("{thin} change unasked: too little motion to go and stand in them alone");
         rows.push(("manners", text));
     }

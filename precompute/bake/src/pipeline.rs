@@ -95,7 +95,10 @@ pub fn build_shared(
             motion.value.clips.clips.append(&mut made.clips);
         }
     }
-    let mut connected = match connect(cfg, &motion, &s) {
+    // What is made joins more, and nearer, than farther transitions do.
+    let captured = motion.key;
+    let near = MotionGraphConfig { join_error: cfg.graph.max_error, ..graph_config(cfg) };
+    let mut connected = match connect(&near, cfg, &motion, &s) {
         Err(e) if !is_of_motion(&e) => return Err(e),
         connected => connected,
     };
@@ -108,8 +111,12 @@ pub fn build_shared(
             motion.key = output.key;
             made.append(output.value);
             motion.value.clips.clips.append(&mut made.clips);
-            connected = connect(cfg, &motion, &s);
         }
+    }
+    let is_apart =
+        connected.as_ref().is_ok_and(|c| !c.1.apart.is_empty() && cfg.graph.join_error > cfg.graph.max_error);
+    if motion.key != captured || is_apart {
+        connected = connect(&graph_config(cfg), cfg, &motion, &s);
     }
     let clips = &motion.clips;
     let features_key = CacheKey::for_stage("features", &[motion.key], &cfg.features)?;
@@ -165,12 +172,16 @@ pub fn build_shared(
 }
 
 /// The motion graph of some motion.
-fn connect(cfg: &BuildConfig, motion: &StageOutput<MotionOutput>, s: &Stages<'_>) -> Result<StageOutput<Connected>> {
+fn connect(
+    graph_cfg: &MotionGraphConfig,
+    cfg: &BuildConfig,
+    motion: &StageOutput<MotionOutput>,
+    s: &Stages<'_>,
+) -> Result<StageOutput<Connected>> {
     let key = CacheKey::for_stage("features", &[motion.key], &cfg.features)?;
-    let graph_cfg = graph_config(cfg);
-    s.stage("graph", &[key], &graph_cfg, |p| match graph_cfg.enabled {
-        true => graph::connect(&motion.clips, &cfg.features, &graph_cfg, p, s.comm),
-        false => graph::empty_graph(&motion.clips, &graph_cfg),
+    s.stage("graph", &[key], graph_cfg, |p| match graph_cfg.enabled {
+        true => graph::connect(&motion.clips, &cfg.features, graph_cfg, p, s.comm),
+        false => graph::empty_graph(&motion.clips, graph_cfg),
     })
 }
 

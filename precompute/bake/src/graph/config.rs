@@ -32,6 +32,9 @@ pub struct MotionGraphConfig {
     /// Largest distance of any transition: of the threshold chosen for `branching`, and of the transitions beyond
     /// it that keep rare motion in and offer every kind of outcome (rad, 1e-6 to 1000).
     pub max_error: f64,
+    /// Largest distance of the transitions without which all motion of a manner would stay out; `max_error` or less joins
+    /// none farther (rad, 1e-6 to 1000).
+    pub join_error: f64,
     /// Most actions a state may have (4 to 255).
     pub max_actions: usize,
     /// Longest action: a character chooses at least this often. Motion without a choice for longer is left out
@@ -71,6 +74,7 @@ impl Default for MotionGraphConfig {
             branching: 14.0,
             threshold: None,
             max_error: 0.5,
+            join_error: 0.75,
             max_actions: 64,
             max_action_s: 4.0,
             min_jump_s: 0.3,
@@ -94,6 +98,7 @@ impl MotionGraphConfig {
         let ranges = [
             ("threshold", self.threshold.unwrap_or(1.0), 1e-6, 1e3),
             ("max_error", self.max_error, 1e-6, 1e3),
+            ("join_error", self.join_error, 1e-6, 1e3),
             ("max_actions", self.max_actions as f64, 4.0, 255.0),
             ("branching", self.branching, 2.0, self.max_actions as f64),
             ("max_action_s", self.max_action_s, 0.1, 30.0),

@@ -10,6 +10,7 @@ use super::report::{self, GraphReport};
 use super::{RawMotionGraph, apart::motion_apart, choose::MotionOutcome, collapse, take::TakenFrames};
 use crate::features::{self, Features, FeaturesConfig};
 use crate::stages::stage_error;
+use std::borrow::Cow;
 use throng_base::{Comm, SingleRank};
 use throng_motion::error::{BuildError, Result, ensure};
 use throng_motion::{clip::ClipSet, progress::Progress};
@@ -75,9 +76,11 @@ pub fn connect(
     };
     let ConnectedEvents { graph, alive, threshold, manners } = MannersSearch { given, limits, progress, comm }.run()?;
     let graph = RawMotionGraph { manners, ..collapse::collapse(&graph, &alive, events, clips) };
+    let joined = report::joined_manners(&graph, clips, f64::from(limits.error));
     let apart = motion_apart(&given, &taken, &report::played_frames(&graph, clips));
     let report = GraphReport {
         apart,
+        joined,
         left_out: taken.left_out,
         scarce_neutral_s: taken.scarce_neutral_s,
         mostly_carrying_s: taken.mostly_carrying_s,
@@ -266,7 +269,13 @@ impl<'a> GraphSearch<'a> {
     /// Event graph with the links chosen at a threshold, and its component.
     fn event_frames(&self, threshold: f32) -> Result<(EventGraph, Vec<bool>)> {
         let Self { whole, arrivals, alive, given, .. } = self;
-        let links = given.choose(&whole.links, threshold, self.comm)?;
+        let most = given.config.max_error.max(given.config.threshold.unwrap_or(0.0)) as f32;
+        // Farther links join what would be lost, and are no choices.
+        let is_near = |links: &Vec<TransitionLink>| links[..links.partition_point(|l| l.error <= most)].to_vec();
+        let near = self.finder.reach() > most;
+        let near: Cow<'_, EventLinks> =
+            if near { Cow::Owned(whole.links.iter().map(is_near).collect()) } else { Cow::Borrowed(&whole.links) };
+        let links = given.choose(&near, threshold, self.comm)?;
         let mut graph = whole.with_links(links);
         let known = KnownLinks { matches: &whole.links, arrivals, alive };
         bridge::bridge(&mut graph, known, given.config.max_actions - 1, self.comm)?;

@@ -231,6 +231,11 @@ impl<'a> LinkFinder<'a> {
         Ok(links.get(enough).map_or(self.limits.error, |l| l.error))
     }
 
+    /// Largest distance of links (rad).
+    pub fn reach(&self) -> f32 {
+        self.limits.error
+    }
+
     /// Possible target events of an event, by kind of outcome.
     fn trees_of(&self, i: usize) -> &[PointTree] {
         self.trees.get(&self.given.events[i].kind).map_or(&[], Vec::as_slice)

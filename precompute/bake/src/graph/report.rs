@@ -2,7 +2,9 @@
 
 use super::{MotionApart, MotionLeftOut, RawMotionGraph};
 use serde::{Deserialize, Serialize};
-use throng_motion::clip::ClipSet;
+use std::collections::BTreeMap;
+use throng_motion::annotate::classes::named_manner;
+use throng_motion::clip::{ClipSet, FrameId};
 
 /// Least, mean and largest of some values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -58,6 +60,8 @@ pub struct GraphReport {
     pub left_out: Vec<MotionLeftOut>,
     /// Motion that the graph takes and that no action plays, a second or longer, with the reasons.
     pub apart: Vec<MotionApart>,
+    /// Manners that transitions beyond `graph.max_error` join, as they would be lost else, each with the farthest one (rad).
+    pub joined: BTreeMap<String, f64>,
     /// Neutral and all upright standing, where so little of it is neutral that gestures are taken as well (s).
     pub scarce_neutral_s: Option<[f64; 2]>,
     /// Upright motion with a load and all that goes, where so much of it carries one that it is taken as well (s).
@@ -99,10 +103,37 @@ pub(super) fn report(graph: &RawMotionGraph, clips: &ClipSet, event_frames: usiz
         unused_clips: (0..clips.clips.len()).filter(unused).map(|c| clips.clips[c].name.clone()).collect(),
         left_out: Vec::new(),
         apart: Vec::new(),
+        joined: BTreeMap::new(),
         scarce_neutral_s: None,
         mostly_carrying_s: None,
         thin_manners: graph.manners.thin.clone(),
     }
+}
+
+/// Manners to or from which transitions are farther than a limit, with the farthest of each; of two manners, both where
+/// neither is the usual one.
+pub(super) fn joined_manners(graph: &RawMotionGraph, clips: &ClipSet, limit: f64) -> BTreeMap<String, f64> {
+    let starts = clips.frame_starts();
+    let manner = |frame: FrameId| {
+        let c = starts.partition_point(|&s| s <= frame.0) - 1;
+        let class = clips.clips[c].class_at((frame.0 - starts[c]) as usize);
+        class.map_or("", |c| named_manner(&c.manner))
+    };
+    let mut out = BTreeMap::<String, f64>::new();
+    for (state, w) in graph.states.iter().zip(graph.action_offsets.windows(2)) {
+        for action in &graph.actions[w[0] as usize..w[1] as usize] {
+            let error = f64::from(action.error);
+            if error > limit {
+                let ends = [*state, graph.segments[action.segment.0 as usize].start].map(manner);
+                let is_one = ends.iter().all(|m| graph.manners.is_usual(m));
+                for m in ends.iter().filter(|m| is_one || !graph.manners.is_usual(m)) {
+                    let most = out.entry((*m).to_owned()).or_default();
+                    *most = most.max(error);
+                }
+            }
+        }
+    }
+    out
 }
 
 /// Errors of the actions that leave the course of their clip.

@@ -579,3 +579,25 @@ fn links_within_a_manner_are_those_that_a_bake_of_it_alone_finds() {
     let stands_proud = |c: &Clip| c.classes[0].class.manner == "proud" || c.name.starts_with("walk_tired");
     assert_eq!(only(&stands_proud).1, ["tired"]);
 }
+
+#[test]
+fn a_manner_that_would_be_lost_is_joined_by_farther_transitions_and_told() {
+    let mut set = library(&["walk_proud_v110", "idle_proud", "walk_tired_v110", "idle_tired"]);
+    set.clips.extend(made_of(&set).clips);
+    let features = FeaturesConfig::default();
+    let graph = |join_error: f64| {
+        let config = MotionGraphConfig { max_error: 0.15, join_error, ..Default::default() };
+        let (graph, report) = graph::connect(&set, &features, &config, &Silent, &SingleRank).unwrap();
+        let starts = set.frame_starts();
+        let manner = |f: &FrameId| set.clips[starts.partition_point(|&s| s <= f.0) - 1].classes[0].class.manner.clone();
+        let manners: BTreeSet<String> = graph.states.iter().map(manner).collect();
+        (manners.len(), graph.actions.iter().filter(|a| a.error > 0.15).count(), report)
+    };
+    let (manners, farther, report) = graph(0.15);
+    assert_eq!((manners, farther, report.joined.len()), (1, 0, 0));
+    assert!(!report.apart.is_empty(), "what is lost is told");
+    let (manners, farther, report) = graph(1.0);
+    assert_eq!((manners, report.joined.len()), (2, 1), "{:?}", report.joined);
+    assert!((1..=16).contains(&farther), "{farther}");
+    assert!(report.joined.values().all(|e| (0.15..1.0).contains(e)), "{:?}", report.joined);
+}
