@@ -3,6 +3,7 @@
 use crate::frames::{of_classes, runs};
 use crate::made::made_frames;
 use std::f64::consts::PI;
+use throng_bake::make::LEAST_START_M;
 use throng_base::thresholds::{STANDING_MPS_F64, WALKING_MPS};
 use throng_core::{Bundle, Planar, format::ClipRecord};
 use throng_motion::annotate::classes::goes_somewhere;
@@ -103,8 +104,12 @@ impl Abilities {
         let standing: Vec<_> = standing.into_iter().filter(|r| r.len() >= frames(STANDING_S)).collect();
         let near = frames(STOP_S);
         for r in &standing {
-            self.stops += usize::from((r.start.saturating_sub(near)..r.start).any(walks));
-            self.starts += usize::from((r.end..(r.end + near).min(roots.len())).any(walks));
+            let leaves = |stand: usize, mut range: std::ops::Range<usize>| {
+                let by_m = |f: usize| (roots[f].x - roots[stand].x).hypot(roots[f].z - roots[stand].z);
+                range.any(|f| walks(f) && by_m(f) > LEAST_START_M)
+            };
+            self.stops += usize::from(leaves(r.start, r.start.saturating_sub(near)..r.start));
+            self.starts += usize::from(leaves(r.end - 1, r.end..(r.end + near).min(roots.len())));
         }
         self.usable_s += roots.len() as f64 / rate_hz;
         self.walking_s += (0..roots.len()).filter(|&f| walks(f)).count() as f64 / rate_hz;
@@ -242,6 +247,14 @@ mod tests {
         let (mut out, course) = (Abilities::default(), course(parts));
         out.add(&course, &vec![true; course.len()], 30.0);
         out
+    }
+
+    #[test]
+    fn a_step_of_a_gesture_is_neither_a_start_nor_a_stop() {
+        let a = of(&[(2.0, 0.0, 0.0), (0.5, 1.0, 0.0), (2.0, 0.0, 0.0), (0.5, 1.0, 0.0), (3.0, 0.0, 0.0)]);
+        assert_eq!((a.starts, a.stops), (0, 0));
+        let a = of(&[(2.0, 0.0, 0.0), (1.2, 1.0, 0.0), (2.0, 0.0, 0.0)]);
+        assert_eq!((a.starts, a.stops), (1, 1));
     }
 
     #[test]

@@ -34,6 +34,9 @@ const STOP_S: f64 = 1.0;
 /// Shortest stand, and longest time from it to walking, of a start; likewise of a stop (s).
 const STAND_S: f64 = 0.3;
 const START_S: f64 = 2.5;
+/// Least distance between a stand and its walk within that time (m): a step of a dance or of a gesture is no start. Chosen, more than
+/// one step.
+pub const LEAST_START_M: f32 = 0.8;
 /// Shortest stand that shows that somebody starts or stops, where clips are cut soon before or after it (s).
 const SHORT_STAND_S: f64 = 0.1;
 /// Least angle and largest distance between the stands before and after a turn on the spot (rad, m).
@@ -236,10 +239,13 @@ fn count_changes(clip: &Clip, run: &FrameRange, stand_s: f64) -> [usize; 5] {
     stands.retain(|r| r.len() >= frames(stand_s));
     // Hips swing in bows.
     let goes = |f: usize| speed(f) > WALKING_MPS && clip.class_at(f).is_none_or(goes_somewhere);
-    let walks = |mut range: FrameRange| range.any(goes);
+    let at = |f: usize| clip.root_positions[f].with_y(0.0);
+    // Made starts begin to go, and leave the rest to the gait.
+    let least_m = if clip.is_made() { 0.0 } else { LEAST_START_M };
+    let walks = |stand: usize, mut range: FrameRange| range.any(|f| goes(f) && at(f).distance(at(stand)) > least_m);
     let near = frames(START_S);
-    let starts = stands.iter().filter(|r| walks(r.end..(r.end + near).min(run.end))).count();
-    let stops = stands.iter().filter(|r| walks(r.start.saturating_sub(near).max(run.start)..r.start)).count();
+    let starts = stands.iter().filter(|r| walks(r.end - 1, r.end..(r.end + near).min(run.end))).count();
+    let stops = stands.iter().filter(|r| walks(r.start, r.start.saturating_sub(near).max(run.start)..r.start)).count();
     // Angle by which it turns on the spot between two stands (rad), and the time that it takes (frames).
     let turn = |w: &[FrameRange]| {
         let (a, b) = (clip.planar(w[0].end - 1), clip.planar(w[1].start));

@@ -601,3 +601,24 @@ fn a_manner_that_would_be_lost_is_joined_by_farther_transitions_and_told() {
     assert!((1..=16).contains(&farther), "{farther}");
     assert!(report.joined.values().all(|e| (0.15..1.0).contains(e)), "{:?}", report.joined);
 }
+
+#[test]
+fn a_start_goes_from_a_stand_to_a_walk_and_not_one_step_of_a_dance() {
+    let starts = |parts: &[(usize, f32)]| {
+        let (mut z, mut roots) = (0.0, Vec::new());
+        for (frames, mps) in parts {
+            for _ in 0..*frames {
+                z += mps / 30.0;
+                roots.push(Vec3::new(0.0, 0.9, z));
+            }
+        }
+        let rotations = vec![glam::Quat::IDENTITY; roots.len() * NUM_JOINTS];
+        needs::count_starts(&ClipSet {
+            skeleton: Skeleton::default(),
+            clips: vec![Clip::new("a", 30.0, roots, rotations)],
+        })
+    };
+    assert_eq!(starts(&[(60, 0.0), (15, 1.0), (60, 0.0), (15, -1.0), (60, 0.0)]), 0, "a step to and fro");
+    assert_eq!(starts(&[(60, 0.0), (90, 1.0), (60, 0.0)]), 1);
+    assert_eq!(starts(&[(10, 0.0), (40, 3.0), (10, 0.0)]), 1, "a dash whose stands are cut short");
+}
