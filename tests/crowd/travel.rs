@@ -230,9 +230,20 @@ fn walks_and_runs() -> Vec<u8> {
 fn captured_people_walk_and_run_as_they_are_ordered() {
     let bundle = walks_and_runs();
     let start = group(4, [[-8.0, -0.5], [8.0, 0.5]], "shift = { by = [0.0, 1.0] }");
-    for (speed, expected) in [(None, 0.9..1.9), (Some(1.2), 0.9..1.9), (Some(4.0), 2.6..4.5)] {
+    let walks = 0.9..1.9;
+    // Speeds of steering end with it.
+    for (steered, speed, expected) in [
+        (false, None, walks.clone()),
+        (false, Some(1.2), walks.clone()),
+        (false, Some(4.0), 2.6..4.5),
+        (true, None, walks),
+    ] {
         let mut sim = people_with(&bundle, &start).unwrap();
         (0..90).for_each(|_| sim.step(1.0 / 30.0).unwrap());
+        if steered {
+            (0..4).for_each(|who| sim.order(who, Order::steer(Vec2::new(0.0, 4.0))).unwrap());
+            (0..30).for_each(|_| sim.step(1.0 / 30.0).unwrap());
+        }
         let at = |sim: &Simulation, who| sim.root(who).map(|r| Vec2::new(r.x, r.z)).unwrap();
         let starts = [0, 1, 2, 3].map(|who| at(&sim, who));
         let goals = starts.map(|at| at + Vec2::new(0.0, 24.0));

@@ -59,7 +59,7 @@ impl Abilities {
             out.blows += clip.hits.len();
             for run in clip.usable_ranges() {
                 let goes: Vec<bool> = run.clone().map(|f| clip.class_at(f).is_none_or(goes_somewhere)).collect();
-                out.add(&run.map(|f| clip.planar(f)).collect::<Vec<_>>(), &goes, clip.rate_hz);
+                out.add(&run.map(|f| clip.planar(f)).collect::<Vec<_>>(), &goes, clip.rate_hz, LEAST_START_M);
             }
         }
         out
@@ -78,11 +78,13 @@ impl Abilities {
         let is_original =
             |frame: u32| clips[clips.partition_point(|c| c.first_frame <= frame).saturating_sub(1)].mirrored == 0;
         out.blows = tables.hits().iter().filter(|h| is_original(h.frame) && counts(h.frame as usize)).count();
-        let goes = of_classes(tables, true, goes_somewhere);
+        let (goes, made) = (of_classes(tables, true, goes_somewhere), made_frames(tables));
         let root = |f: usize| Planar::from_array(tables.frames()[f].planar);
         for run in runs(tables).into_iter().filter(|r| is_original(r.start)) {
             for run in runs_where(run.start as usize..run.end as usize, &counts) {
-                out.add(&run.clone().map(root).collect::<Vec<_>>(), &goes[run], rate_hz);
+                // Made starts begin to go, and leave the rest to the gait.
+                let least_m = if made[run.start] { 0.0 } else { LEAST_START_M };
+                out.add(&run.clone().map(root).collect::<Vec<_>>(), &goes[run], rate_hz, least_m);
             }
         }
         out
@@ -91,7 +93,8 @@ impl Abilities {
     /// Adds a run of usable frames.
     ///
     /// - `goes`: false in bows and the like, in which the hips swing, but nobody walks (roots.len()).
-    fn add(&mut self, roots: &[Planar], goes: &[bool], rate_hz: f64) {
+    /// - `least_m`: way from a stand that a start has (m).
+    fn add(&mut self, roots: &[Planar], goes: &[bool], rate_hz: f64, least_m: f32) {
         let frames = |s: f64| (s * rate_hz).round().max(1.0) as usize;
         let velocities = ground_velocities(roots, frames(0.5 * SPEED_S), rate_hz);
         let speeds: Vec<f64> = velocities.iter().map(|[x, z]| x.hypot(*z)).collect();
@@ -106,7 +109,7 @@ impl Abilities {
         for r in &standing {
             let leaves = |stand: usize, mut range: std::ops::Range<usize>| {
                 let by_m = |f: usize| (roots[f].x - roots[stand].x).hypot(roots[f].z - roots[stand].z);
-                range.any(|f| walks(f) && by_m(f) > LEAST_START_M)
+                range.any(|f| walks(f) && by_m(f) > least_m)
             };
             self.stops += usize::from(leaves(r.start, r.start.saturating_sub(near)..r.start));
             self.starts += usize::from(leaves(r.end - 1, r.end..(r.end + near).min(roots.len())));
@@ -245,7 +248,7 @@ mod tests {
 
     fn of(parts: &[(f32, f32, f32)]) -> Abilities {
         let (mut out, course) = (Abilities::default(), course(parts));
-        out.add(&course, &vec![true; course.len()], 30.0);
+        out.add(&course, &vec![true; course.len()], 30.0, LEAST_START_M);
         out
     }
 
@@ -272,7 +275,7 @@ mod tests {
         let course = course(&[(1.0, 0.0, 0.0), (0.5, -0.9, 0.0), (1.0, 0.0, 0.0), (0.5, 0.9, 0.0), (1.0, 0.0, 0.0)]);
         let counted = |goes| {
             let mut out = Abilities::default();
-            out.add(&course, &vec![goes; course.len()], 30.0);
+            out.add(&course, &vec![goes; course.len()], 30.0, LEAST_START_M);
             (out.starts, out.stops, out.walking_s > 0.5)
         };
         assert_eq!((counted(true), counted(false)), ((2, 2, true), (0, 0, false)));

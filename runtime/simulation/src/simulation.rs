@@ -539,6 +539,8 @@ impl Simulation {
         order.check(who, self.num_characters())?;
         let whom = order.whom().filter(|whom| self.root(*whom).is_none());
         whom.map_or(Ok(()), |whom| Err(Error::Gone(Id::first(whom))))?;
+        let before = self.orders[who].and_then(|(old, _)| old.speed_mps);
+        let order = order.speed_mps.or(before).map_or(order, |speed| order.at_speed(speed));
         let goal = self.give_order(who, order)?;
         self.orders[who] = Some((order, goal));
         Ok(())

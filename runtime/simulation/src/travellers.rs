@@ -496,7 +496,7 @@ impl MotionKind for Travellers {
         let stand = order.heading.map_or(PolicyOrder::STOP, PolicyOrder::turn_to);
         let before = self.people.order_of(id)?.target();
         let new = if goal.is_some() { self.begins[number].0.with_target(before) } else { stand };
-        self.people.order(id, order.speed_mps().map_or(new, |speed| new.at_speed(speed)))
+        self.people.order(id, new.at_speed(order.speed_mps().unwrap_or(0.0)))
     }
 
     fn turn_to(&mut self, number: usize, heading: f32) -> Result<()> {

@@ -106,7 +106,6 @@ pub fn judge(space: &BlendSpace) -> BlendQuality {
             [4.0, 8.0],
             format!("poses jump {:.0} deg a joint where the cycle begins again", quality.seam_deg),
         ),
-        (slip, [0.3, f64::INFINITY], format!("planted soles slip {:.0} mm/s", 1e3 * slip)),
         (
             LEAST_SPEEDS_MPS - (fast - slow),
             [0.0, LEAST_SPEEDS_MPS],
@@ -114,6 +113,7 @@ pub fn judge(space: &BlendSpace) -> BlendQuality {
                 "{ONE_SPEED} {slow:.2} to {fast:.2} m/s: add such a gait that is {LEAST_SPEEDS_MPS} m/s slower or faster"
             ),
         ),
+        (slip, [0.3, f64::INFINITY], format!("planted soles slip {:.0} mm/s", 1e3 * slip)),
     ];
     let rank = |(value, limits, _): &(f64, [f64; 2], String)| limits.iter().filter(|l| value > *l).count();
     let worst = measures.iter().rev().max_by_key(|m| rank(m)).map_or((0, ""), |m| (rank(m), m.2.as_str()));

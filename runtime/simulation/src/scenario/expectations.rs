@@ -420,6 +420,13 @@ impl ExpectationMeter {
 fn excess(config: &ExpectConfig, value: f64) -> f64 {
     let [least, most] = config.bounds();
     match config.statistic() {
+        ExpectedStatistic::Share if config.least.is_none() && config.most.is_some() => {
+            if value.is_finite() {
+                f64::INFINITY
+            } else {
+                0.0
+            }
+        }
         _ if value.is_infinite() => f64::INFINITY,
         ExpectedStatistic::Share => 0.0,
         _ => (least - value).max(value - most),

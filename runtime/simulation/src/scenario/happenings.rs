@@ -133,7 +133,7 @@ impl AgentBrains {
         (brain.action, brain.phase, brain.begun) = (NONE, ActionPhase::Idle, brain.begun.wrapping_add(1));
         (brain.stands_until_s, brain.acts_again_at_s, brain.gives_up_at_s) =
             (f64::INFINITY, f64::INFINITY, f64::INFINITY);
-        self.engagements[agent as usize].runs_course = false;
+        (self.engagements[agent as usize].runs_course, self.engagements[agent as usize].is_done) = (false, false);
         self.mark_touched(agent);
         Ok(())
     }

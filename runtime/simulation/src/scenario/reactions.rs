@@ -2,7 +2,7 @@
 
 use super::agent_brain::{ActionPhase, ActionReason, EventContext, Feeling, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, Stimulus};
-use super::tables::{EdgeTable, NONE, trigger};
+use super::tables::{CompiledAction, EdgeTable, NONE, trigger};
 use super::{happenings::RETRY_S, stage::ScenarioStage, turns::TurnKind};
 use throng_base::{Error, Result, error::ensure};
 
@@ -84,20 +84,28 @@ impl AgentBrains {
                 return Ok(());
             }
         }
-        if upwards && self.waits_for_condition(m) {
+        if upwards && self.waits_for_condition(stage, stimulus.on) {
             self.brains[m].acts_again_at_s = self.now + RETRY_S;
         }
         Ok(())
     }
 
-    /// True for an agent whose state has ended, and may be left when a condition comes true: it looks again then.
-    fn waits_for_condition(&self, m: usize) -> bool {
-        let scenario = &self.scenario;
+    /// True for an agent whose state has ended, and may be left only when a condition comes true: it looks again then.
+    fn waits_for_condition(&mut self, stage: &impl ScenarioStage, on: Occasion) -> bool {
+        let (scenario, brain) = (self.scenario.clone(), self.brains[on.agent as usize]);
         let [first, last] = scenario.rules_of[usize::from(trigger::DONE)];
-        let own = self.brains[m].states.iter().filter_map(|state| scenario.states.get(usize::from(*state)));
-        let mut edges = own.flat_map(|s| &scenario.edges[s.edges[0] as usize..s.edges[1] as usize]);
+        let rules = &scenario.rule_order[first as usize..last as usize];
         // Rules on the end of a behaviour act once.
-        first == last && edges.any(|edge| edge.trigger == trigger::DONE && edge.when.is_some())
+        let has_rule = rules.iter().any(|&rule| scenario.rules[rule as usize].who >> brain.group & 1 == 1);
+        let has_ended = matches!(scenario.actions.get(brain.action as usize), Some(CompiledAction::End));
+        if brain.is_busy || has_rule || !has_ended {
+            return false;
+        }
+        let own = brain.states.iter().filter_map(|state| scenario.states.get(usize::from(*state)));
+        let edges = own.flat_map(|s| &scenario.edges[s.edges[0] as usize..s.edges[1] as usize]);
+        let mut ends = edges.filter(|edge| edge.trigger == trigger::DONE).peekable();
+        // An edge that is open leads on by its probability, once.
+        ends.peek().is_some() && ends.all(|e| e.when.is_some_and(|when| !self.evaluate_predicate(stage, on, when)))
     }
 
     /// Follows the first rule that fits; true where its behaviour lasts.

@@ -116,7 +116,7 @@ impl ScenarioCompiler<'_> {
         for (i, edge) in graph.edges.iter().enumerate().filter(|(_, edge)| edge.to == state) {
             let trigger = self.trigger_number(&edge.on, &format!("graphs.{name}.edges[{i}].on"))?;
             self.set_scope(trigger);
-            if trigger != trigger::DONE && self.out.names.has_other {
+            if trigger != trigger::DONE && self.out.names.has_other && !self.is_untold {
                 return Ok(true);
             }
         }

@@ -427,3 +427,20 @@ fn who_finds_a_place_full_of_others_does_not_go_round_it() {
         assert!(rest.holds, "{count}: they go on at {:.2} m/s", rest.figure);
     }
 }
+
+#[test]
+fn an_edge_that_is_open_is_drawn_once_and_shares_name_those_that_break_them() {
+    let scene = WALKERS
+        .replace("count = 8", "count = 60")
+        .replace("6.0, 4.0", "20.0, 12.0")
+        .replace("goal = { shift = { by = [20.0, 0.0] } }", "graph = \"g\"")
+        + "[graphs.g]\nlevel = \"social\"\nstart = \"a\"\nedges = [{ from = \"a\", to = \"b\", probability = 0.3 }, \
+           { from = \"a\", to = \"c\", when = \"time > 60\" }]\n\
+           [graphs.g.states]\na = { do = [{ stay = 1 }] }\nb = { do = [{ stay = 100 }] }\nc = { do = [{ stay = 100 }] }\n";
+    let that = "that.passes = [\"me.state == 'b'\"]\n";
+    let few = outcome(&scene, &format!("{that}most = 0.5"));
+    assert!(few.holds && few.figure > 0.1, "{few:?}");
+    let broken = outcome(&scene, &format!("{that}most = 0.01"));
+    let is_of_b = |why: &str| why.contains(" b, ");
+    assert!(!broken.holds && broken.worst.iter().all(|w| is_of_b(&w.why)), "{:?}", broken.worst);
+}

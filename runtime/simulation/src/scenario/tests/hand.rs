@@ -480,3 +480,22 @@ fn impossible_agent_brains_are_refused() {
 fn an_agent_brain_is_small() {
     assert!(size_of::<super::super::AgentBrain>() <= 208, "{}", size_of::<super::super::AgentBrain>());
 }
+
+#[test]
+fn other_is_refused_in_a_state_into_which_nobody_leads() {
+    let story = |on: &str| {
+        format!(
+            "[graphs.life]\nlevel = \"social\"\nstart = \"a\"\nedges = [{{ from = \"a\", to = \"b\"{on} }}]\n\
+             [graphs.life.states]\na = {{ do = [{{ stay = 1 }}] }}\nb = {{ do = [{{ chat = \"other\", for_s = 2 }}] }}\n"
+        )
+    };
+    let groups = "[[groups]]\nmotion = \"none\"\ncount = 2\ngraph = \"life\"\n\
+                  place = { block = { from = [0.0, 0.0], to = [99.0, 9.0] } }\n";
+    let open = |on: &str| {
+        let text = format!("{groups}{}", story(on));
+        Scene::parse(&text, Path::new("scene.toml")).and_then(|s| s.open()).map(|_| ())
+    };
+    let told = open("").unwrap_err().to_string();
+    assert!(told.contains("graphs.life.states.b") && told.contains("nothing that leads here"), "{told}");
+    open(", on = \"meets\"").unwrap();
+}
