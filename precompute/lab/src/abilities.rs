@@ -275,7 +275,7 @@ mod tests {
         let course = course(&[(1.0, 0.0, 0.0), (0.5, -0.9, 0.0), (1.0, 0.0, 0.0), (0.5, 0.9, 0.0), (1.0, 0.0, 0.0)]);
         let counted = |goes| {
             let mut out = Abilities::default();
-            out.add(&course, &vec![goes; course.len()], 30.0, LEAST_START_M);
+            out.add(&course, &vec![goes; course.len()], 30.0, 0.0);
             (out.starts, out.stops, out.walking_s > 0.5)
         };
         assert_eq!((counted(true), counted(false)), ((2, 2, true), (0, 0, false)));
