@@ -265,10 +265,9 @@ impl OrderedChoice<'_> {
         let segment = graph.segments_of(state).get(usize::from(self.chosen)).copied();
         let end = segment.map_or(state, |s| graph.segments[s as usize].end);
         // Who stands, or is to stand, does so in any manner.
-        if self.stays || !order.is_to_stand() {
-            if let Some(manner) = manners.wanted(order.manner, end) {
-                return Some(manners.ranked_actions(graph, state, manner, |s| worth(s).max(LEAST_WORTH)));
-            }
+        let may_change = self.stays || !order.is_to_stand();
+        if let Some(manner) = manners.wanted(order.manner, end).filter(|_| may_change) {
+            return Some(manners.ranked_actions(graph, state, manner, |s| worth(s).max(LEAST_WORTH)));
         }
         let speed = order.speed_mps.filter(|speed| *speed > 0.0 && !self.stays)?;
         let (left, (gait, wanted_mps, least)) = (self.left?, gaits.gait_at(speed)?);
