@@ -76,7 +76,7 @@ impl Order {
         Self { keep_m, ..self }
     }
 
-    /// Sets the desired speed from now on (m/s). Captured people take the motion that is nearest to it.
+    /// Sets the desired speed from now on (0.01 to 100 m/s). Captured people walk or run, whichever is usually nearer to it.
     pub fn at_speed(self, speed_mps: f32) -> Self {
         Self { speed_mps: Some(speed_mps), ..self }
     }

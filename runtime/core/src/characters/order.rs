@@ -159,7 +159,8 @@ impl PolicyOrder {
     }
 
     /// Orders a speed on the way (m/s), 0 for that which the policies prefer: of walking and running, people take that whose usual
-    /// speed in the motion is nearest to it, and slow down before they arrive. It stays with later orders that name none.
+    /// speed in the motion is nearest to it, and slow down before they arrive. It stays with later orders that name none, and counts where one
+    /// behaviour leads to a place.
     pub fn at_speed(self, speed_mps: f32) -> Self {
         Self { speed_mps: Some(speed_mps), ..self }
     }
